@@ -1,0 +1,182 @@
+//! The one error type: every failure carries the numbers that explain it.
+//!
+//! [`ErrorCode`] is the single list from which the C constants and the FMU log categories are made. Codes are
+//! negative, are never reused, and keep their meaning between versions.
+
+use std::fmt;
+
+/// Why a call failed. The state of the caller is as it was before the call.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Error {
+    /// The scene text is not acceptable: `path` is the JSON path, `found` what stands there, `allowed` what may stand there.
+    Scene {
+        source_name: String,
+        path: String,
+        found: String,
+        allowed: String,
+    },
+    /// The assembled body cannot be used: the reason and the numbers behind it.
+    Body { what: String },
+    /// The reduction stopped at a relative error above the tolerance asked for.
+    ReductionInaccurate {
+        achieved: f64,
+        tolerance: f64,
+        states: usize,
+    },
+    /// The friction solver stopped with a residual above its tolerance.
+    NotConverged {
+        time: f64,
+        residual: f64,
+        tolerance: f64,
+        iterations: usize,
+        node: usize,
+    },
+    /// A matrix that must be positive definite is not (pivot index in the elimination order).
+    NotPositiveDefinite { what: &'static str, pivot: usize },
+    /// The communication step or the time of the call is unusable.
+    Step {
+        what: &'static str,
+        expected: f64,
+        found: f64,
+    },
+    /// An array has the wrong length.
+    Length {
+        what: &'static str,
+        expected: usize,
+        found: usize,
+    },
+    /// A number is not finite or is outside its range.
+    Value {
+        what: String,
+        found: f64,
+        allowed: &'static str,
+    },
+    /// A name or a reference is unknown.
+    Unknown { what: &'static str, found: String },
+    /// The call is not allowed in this phase of the simulation.
+    CallOrder {
+        call: &'static str,
+        expected: &'static str,
+    },
+    /// Bytes that are not a saved state or model of this version, or are damaged.
+    Bytes { what: String },
+    /// A saved state belongs to another model.
+    Fingerprint { expected: u64, found: u64 },
+    /// An explicit scheme is beyond its stability limit.
+    Unstable { step: f64, limit: f64 },
+}
+
+/// Stable numeric codes of [`Error`], for C and the FMU.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(i32)]
+pub enum ErrorCode {
+    Scene = -1,
+    Body = -2,
+    ReductionInaccurate = -3,
+    NotConverged = -4,
+    NotPositiveDefinite = -5,
+    Step = -6,
+    Length = -7,
+    Value = -8,
+    Unknown = -9,
+    CallOrder = -10,
+    Bytes = -11,
+    Fingerprint = -12,
+    Unstable = -13,
+}
+
+impl Error {
+    /// The stable numeric code.
+    pub fn code(&self) -> ErrorCode {
+        match self {
+            Error::Scene { .. } => ErrorCode::Scene,
+            Error::Body { .. } => ErrorCode::Body,
+            Error::ReductionInaccurate { .. } => ErrorCode::ReductionInaccurate,
+            Error::NotConverged { .. } => ErrorCode::NotConverged,
+            Error::NotPositiveDefinite { .. } => ErrorCode::NotPositiveDefinite,
+            Error::Step { .. } => ErrorCode::Step,
+            Error::Length { .. } => ErrorCode::Length,
+            Error::Value { .. } => ErrorCode::Value,
+            Error::Unknown { .. } => ErrorCode::Unknown,
+            Error::CallOrder { .. } => ErrorCode::CallOrder,
+            Error::Bytes { .. } => ErrorCode::Bytes,
+            Error::Fingerprint { .. } => ErrorCode::Fingerprint,
+            Error::Unstable { .. } => ErrorCode::Unstable,
+        }
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Error::Scene {
+                source_name,
+                path,
+                found,
+                allowed,
+            } => write!(
+                f,
+                "{source_name}: at {path}: found {found}; allowed: {allowed}"
+            ),
+            Error::Body { what } => write!(f, "the scene gives no usable body: {what}"),
+            Error::ReductionInaccurate {
+                achieved,
+                tolerance,
+                states,
+            } => write!(
+                f,
+                "reduction with {states} states reaches a relative error of {achieved:.1e}, not the {tolerance:.1e} of \
+                 fidelity.tolerance; loosen it or use fidelity.model = \"condensed\""
+            ),
+            Error::NotConverged {
+                time,
+                residual,
+                tolerance,
+                iterations,
+                node,
+            } => write!(
+                f,
+                "friction did not converge at time {time}: residual {residual:.3e} at contact node {node} after \
+                 {iterations} iterations, tolerance {tolerance:.1e}"
+            ),
+            Error::NotPositiveDefinite { what, pivot } => {
+                write!(f, "{what} is not positive definite (pivot {pivot})")
+            }
+            Error::Step {
+                what,
+                expected,
+                found,
+            } => {
+                write!(f, "{what}: expected {expected}, found {found}")
+            }
+            Error::Length {
+                what,
+                expected,
+                found,
+            } => write!(f, "{what}: expected {expected} values, found {found}"),
+            Error::Value {
+                what,
+                found,
+                allowed,
+            } => write!(f, "{what}: found {found}, allowed: {allowed}"),
+            Error::Unknown { what, found } => write!(f, "unknown {what}: {found}"),
+            Error::CallOrder { call, expected } => {
+                write!(f, "{call} is not allowed now: {expected}")
+            }
+            Error::Bytes { what } => write!(f, "unusable bytes: {what}"),
+            Error::Fingerprint { expected, found } => write!(
+                f,
+                "the state belongs to another model: expected fingerprint {expected:016x}, found {found:016x}"
+            ),
+            Error::Unstable { step, limit } => write!(
+                f,
+                "time.step = {step} is beyond the stability limit {limit:.6} of the explicit scheme \"rectangle\""
+            ),
+        }
+    }
+}
+
+impl std::error::Error for Error {}
+
+/// Result of every fallible call of the crate.
+pub type Result<T> = std::result::Result<T, Error>;

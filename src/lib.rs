@@ -1,0 +1,7 @@
+//! stickslip: an embeddable co-simulation component for frictional contact of a viscoelastic body.
+
+pub mod error;
+pub mod scene;
+
+pub use error::{Error, ErrorCode, Result};
+pub use scene::Scene;
