@@ -1,5 +1,90 @@
 //! A scene: the validated content of `scene.json`, plain data without mathematics.
+//!
+//! Text becomes a [`Scene`] in three steps, each of which refuses the first mistake it meets with the JSON path, what
+//! was found there and what is allowed:
+//! 1. `parse`: text to JSON value (syntax, finite numbers, duplicate keys);
+//! 2. `structure`: keys, types, names and ranges, against the JSON Schema generated from the types;
+//! 3. `validate`: the rules that tie several values together.
 
+mod examples;
+mod geometry;
+mod overrides;
+mod parse;
+mod path;
+mod refusal;
+mod structure;
 mod types;
+mod validate;
 
+pub use examples::{example, example_names};
 pub use types::*;
+pub use validate::MAX_NODES;
+
+use crate::Result;
+use refusal::Refusal;
+use serde::Deserialize;
+use structure::Structure;
+
+impl Scene {
+    /// Reads and validates a scene; `source_name` (a file name, or `scene`) is what errors call it.
+    ///
+    /// # Errors
+    /// [`Error::Scene`](crate::Error::Scene) for the first mistake.
+    pub fn from_json(text: &str, source_name: &str) -> Result<Scene> {
+        Scene::with_overrides(text, source_name, &[])
+    }
+
+    /// Reads a scene after replacing values in it: pairs of a path (`contact.friction.alpha`, `loads[0].start`) and a
+    /// value, which is JSON if it parses and a string otherwise. Applied in order.
+    ///
+    /// # Errors
+    /// [`Error::Scene`](crate::Error::Scene) for the first mistake; also for a path that leads through something that is not there.
+    pub fn with_overrides(
+        text: &str,
+        source_name: &str,
+        overrides: &[(String, String)],
+    ) -> Result<Scene> {
+        let named = |refusal: Refusal| refusal.of(source_name);
+        let structure = Structure::of_scenes();
+        let mut value = parse::parse(text).map_err(named)?;
+        for (path, new) in overrides {
+            overrides::apply(&mut value, &structure, path, new).map_err(named)?;
+        }
+        structure.check(&value).map_err(named)?;
+        let scene = Scene::deserialize(&value).map_err(|error| {
+            named(Refusal::new(
+                "$",
+                error,
+                "what the JSON Schema of scenes allows",
+            ))
+        })?;
+        validate::check(&scene).map_err(named)?;
+        Ok(scene)
+    }
+
+    /// Validates a scene that was built or changed in Rust. A number that is not finite is reported as null.
+    ///
+    /// # Errors
+    /// [`Error::Scene`](crate::Error::Scene) for the first mistake.
+    pub fn validate(&self, source_name: &str) -> Result<()> {
+        let check = || {
+            let value = serde_json::to_value(self)
+                .map_err(|error| Refusal::new("$", error, "a scene that JSON can express"))?;
+            Structure::of_scenes().check(&value)?;
+            validate::check(self)
+        };
+        check().map_err(|refusal: Refusal| refusal.of(source_name))
+    }
+
+    /// The scene as pretty JSON, defaults written out, keys in the order of the documentation. Reads back equal.
+    pub fn to_json(&self) -> String {
+        // Strings as map keys and a writer in memory: there is nothing here that can fail.
+        serde_json::to_string_pretty(self).unwrap_or_default()
+    }
+}
+
+/// The JSON Schema of scenes, pretty; made from the types, so it is what parsing enforces, except for the rules that
+/// tie several values together.
+pub fn json_schema() -> String {
+    format!("{:#}", Structure::of_scenes().schema())
+}

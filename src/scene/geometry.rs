@@ -1,0 +1,118 @@
+//! Sizes, axes and named parts of the generated meshes, as far as the scene alone determines them.
+
+use super::types::{Axis, MeshSpec};
+
+/// Parts of the generated meshes with the axis they are normal to; the lower side of each axis comes first.
+const SIDES: [(&str, Axis); 6] = [
+    ("left", Axis::X),
+    ("right", Axis::X),
+    ("bottom", Axis::Y),
+    ("top", Axis::Y),
+    ("back", Axis::Z),
+    ("front", Axis::Z),
+];
+
+impl MeshSpec {
+    /// Space dimension, 2 or 3.
+    pub fn dimension(&self) -> usize {
+        self.size().len()
+    }
+
+    /// Lengths along the axes, m.
+    pub fn size(&self) -> &[f64] {
+        match self {
+            MeshSpec::Rectangle { size, .. } => size,
+            MeshSpec::Box { size, .. } => size,
+        }
+    }
+
+    /// Numbers of cells along the axes.
+    pub fn cells(&self) -> &[u32] {
+        match self {
+            MeshSpec::Rectangle { cells, .. } => cells,
+            MeshSpec::Box { cells, .. } => cells,
+        }
+    }
+
+    /// Axes along which the body is periodic.
+    pub fn periodic(&self) -> &[Axis] {
+        match self {
+            MeshSpec::Rectangle { periodic, .. } | MeshSpec::Box { periodic, .. } => periodic,
+        }
+    }
+
+    /// Names of the parts of the boundary, in the order left, right, bottom, top, back, front. The sides across a
+    /// periodic axis are not parts.
+    pub fn parts(&self) -> Vec<&'static str> {
+        SIDES
+            .iter()
+            .filter(|(part, _)| self.normal_axis(part).is_some())
+            .map(|(part, _)| *part)
+            .collect()
+    }
+
+    /// Axis that a part is normal to; `None` if this mesh has no such part.
+    pub fn normal_axis(&self, part: &str) -> Option<Axis> {
+        SIDES
+            .iter()
+            .find(|(name, _)| *name == part)
+            .map(|(_, axis)| *axis)
+            .filter(|axis| axis.index() < self.dimension() && !self.periodic().contains(axis))
+    }
+
+    /// Number of mesh nodes, those joined by periodicity counted twice: the corners of the cells and, in every layer,
+    /// the centres of the x-y cells.
+    pub fn node_bound(&self) -> u128 {
+        let n: Vec<u128> = self.cells().iter().map(|&n| u128::from(n)).collect();
+        let layer = |x: u128, y: u128| (x + 1) * (y + 1) + x * y;
+        match *n.as_slice() {
+            [x, y] => layer(x, y),
+            [x, y, z] => layer(x, y) * (z + 1),
+            _ => 0,
+        }
+    }
+}
+
+impl Axis {
+    /// 0, 1 or 2 for x, y or z.
+    pub fn index(self) -> usize {
+        match self {
+            Axis::X => 0,
+            Axis::Y => 1,
+            Axis::Z => 2,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn box_mesh(periodic: Vec<Axis>) -> MeshSpec {
+        MeshSpec::Box {
+            size: [1.0, 2.0, 3.0],
+            cells: [2, 3, 4],
+            periodic,
+        }
+    }
+
+    #[test]
+    fn periodic_sides_are_not_parts() {
+        let parts = box_mesh(vec![Axis::X]).parts();
+        assert_eq!(parts, ["bottom", "top", "back", "front"]);
+        assert_eq!(box_mesh(vec![Axis::X]).normal_axis("left"), None);
+        assert_eq!(box_mesh(vec![]).normal_axis("left"), Some(Axis::X));
+    }
+
+    #[test]
+    fn nodes_are_corners_and_centres() {
+        assert_eq!(box_mesh(vec![]).node_bound(), (3 * 4 + 2 * 3) * 5);
+        let square = MeshSpec::Rectangle {
+            size: [1.0, 1.0],
+            cells: [1, 1],
+            periodic: vec![],
+        };
+        assert_eq!(square.node_bound(), 5);
+        assert_eq!(square.parts(), ["left", "right", "bottom", "top"]);
+    }
+}

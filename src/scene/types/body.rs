@@ -1,0 +1,184 @@
+//! Mesh and material of the body.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Mesh of the body.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+pub enum MeshSpec {
+    /// `(0, size[0]) x (0, size[1])`, cut into cells, each cell into four triangles by both diagonals. Parts: left,
+    /// right (x), bottom, top (y).
+    Rectangle {
+        /// Lengths along x and y, m; positive.
+        #[schemars(extend("items" = {"type": "number", "exclusiveMinimum": 0}))]
+        size: [f64; 2],
+        /// Number of cells along x and y; at least 1 each.
+        #[schemars(inner(range(min = 1)))]
+        cells: [u32; 2],
+        /// Axes along which the body is periodic (the two opposite sides move together, so
+        /// that they are no longer parts). Default: none.
+        #[serde(default)]
+        periodic: Vec<Axis>,
+    },
+    /// `(0, size[0]) x (0, size[1]) x (0, size[2])`: the criss-cross of `rectangle` in the x-y plane, extruded along
+    /// z; every prism is cut into three tetrahedra that conform with their neighbours. Parts: left, right (x), bottom,
+    /// top (y), back, front (z).
+    Box {
+        /// Lengths along x, y and z, m; positive.
+        #[schemars(extend("items" = {"type": "number", "exclusiveMinimum": 0}))]
+        size: [f64; 3],
+        /// Number of cells along x, y and z; at least 1 each.
+        #[schemars(inner(range(min = 1)))]
+        cells: [u32; 3],
+        /// Axes along which the body is periodic (the two opposite sides move together, so
+        /// that they are no longer parts). Default: none.
+        #[serde(default)]
+        periodic: Vec<Axis>,
+    },
+}
+
+/// A coordinate axis.
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema,
+)]
+#[serde(rename_all = "snake_case")]
+pub enum Axis {
+    X,
+    Y,
+    Z,
+}
+
+/// Finite element.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ElementKind {
+    /// Linear simplex.
+    #[default]
+    P1,
+}
+
+/// Kelvin-Voigt material: `sigma = A eps(u') + B eps(u)`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Material {
+    /// Viscosity operator A.
+    pub viscosity: Viscosity,
+    /// Elasticity operator B.
+    pub elasticity: Elasticity,
+}
+
+/// Viscosity operator.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "law", rename_all = "snake_case", deny_unknown_fields)]
+pub enum Viscosity {
+    /// `A tau = mu1 tr(tau) I + mu2 tau`.
+    Isotropic {
+        /// Coefficient of the trace, Pa s; `dimension * mu1 + mu2` is positive.
+        mu1: f64,
+        /// Coefficient of the strain rate, Pa s; positive.
+        #[schemars(extend("exclusiveMinimum" = 0))]
+        mu2: f64,
+    },
+}
+
+/// Elasticity operator.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "law", rename_all = "snake_case", deny_unknown_fields)]
+pub enum Elasticity {
+    /// `B tau = lambda tr(tau) I + E/(1 + kappa) tau`, with lambda by the convention.
+    Isotropic {
+        /// Young's modulus E, Pa; positive.
+        #[schemars(extend("exclusiveMinimum" = 0))]
+        young: f64,
+        /// Poisson's ratio kappa, in (-1, 0.5).
+        #[schemars(extend("exclusiveMinimum" = -1, "exclusiveMaximum" = 0.5))]
+        poisson: f64,
+        /// Coefficient of the trace.
+        convention: Convention,
+    },
+}
+
+/// How lambda follows from Young's modulus E and Poisson's ratio kappa.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Convention {
+    /// `E kappa / ((1 - kappa)(1 - 2 kappa))`, as printed in Kazmi et al. 2014.
+    Kazmi2014,
+    /// `E kappa / ((1 + kappa)(1 - 2 kappa))`; 2D only.
+    PlaneStrain,
+    /// `E kappa / (1 - kappa^2)`; 2D only.
+    PlaneStress,
+    /// `E kappa / ((1 + kappa)(1 - 2 kappa))`; 3D only.
+    ThreeDimensional,
+}
+
+impl Viscosity {
+    /// Coefficients `(c, d)` of `A tau = c tr(tau) I + d tau`, Pa s.
+    pub fn coefficients(&self) -> (f64, f64) {
+        match *self {
+            Viscosity::Isotropic { mu1, mu2 } => (mu1, mu2),
+        }
+    }
+}
+
+impl Elasticity {
+    /// Coefficients `(c, d)` of `B tau = c tr(tau) I + d tau`, Pa: lambda of the convention, and `E / (1 + kappa)`.
+    pub fn coefficients(&self) -> (f64, f64) {
+        match *self {
+            Elasticity::Isotropic {
+                young,
+                poisson,
+                convention,
+            } => {
+                let lambda = match convention {
+                    Convention::Kazmi2014 => {
+                        young * poisson / ((1.0 - poisson) * (1.0 - 2.0 * poisson))
+                    }
+                    Convention::PlaneStrain | Convention::ThreeDimensional => {
+                        young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson))
+                    }
+                    Convention::PlaneStress => young * poisson / (1.0 - poisson * poisson),
+                };
+                (lambda, young / (1.0 + poisson))
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn elasticity(convention: Convention) -> Elasticity {
+        Elasticity::Isotropic {
+            young: 1.0,
+            poisson: 0.3,
+            convention,
+        }
+    }
+
+    /// The closed forms of lambda, evaluated by hand at E = 1, kappa = 0.3.
+    #[test]
+    fn lambda_follows_the_convention() {
+        for (convention, lambda) in [
+            (Convention::Kazmi2014, 0.3 / 0.28),
+            (Convention::PlaneStrain, 0.3 / 0.52),
+            (Convention::ThreeDimensional, 0.3 / 0.52),
+            (Convention::PlaneStress, 0.3 / 0.91),
+        ] {
+            let (trace, identity) = elasticity(convention).coefficients();
+            assert!((trace - lambda).abs() < 1e-15, "{convention:?}: {trace}");
+            assert!((identity - 1.0 / 1.3).abs() < 1e-15);
+        }
+    }
+
+    /// Plane stress is uniaxial in the plane: `sigma_yy = 0` at `eps_yy = -kappa eps_xx` gives `sigma_xx = E eps_xx`.
+    #[test]
+    fn plane_stress_gives_youngs_modulus() {
+        let (trace, identity) = elasticity(Convention::PlaneStress).coefficients();
+        let (xx, yy) = (1.0, -0.3);
+        assert!((trace * (xx + yy) + identity * yy).abs() < 1e-15);
+        assert!((trace * (xx + yy) + identity * xx - 1.0).abs() < 1e-15);
+    }
+}

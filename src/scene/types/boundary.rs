@@ -1,0 +1,97 @@
+//! What acts on the body: contact, friction and loads; and where it is observed.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Bilateral contact with a rigid foundation.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Contact {
+    /// Name of the part in contact; not clamped, not loaded.
+    pub part: String,
+    /// Friction law.
+    pub friction: Friction,
+    /// First tangential direction (projected on the contact plane). Default: the direction in which x grows, or y
+    /// where the contact is normal to x.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tangent: Option<Vec<f64>>,
+}
+
+/// Friction bound g as a function of the slip rate r >= 0 (m/s).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "law", rename_all = "snake_case", deny_unknown_fields)]
+pub enum Friction {
+    /// No tangential stress.
+    Frictionless {},
+    /// Constant bound `g = bound`.
+    Tresca {
+        /// Bound, Pa; not negative.
+        #[schemars(range(min = 0))]
+        bound: f64,
+    },
+    /// `g(r) = (a - b) exp(-alpha r) + b`.
+    Exponential {
+        /// Static bound, Pa; `a >= b`.
+        #[schemars(range(min = 0))]
+        a: f64,
+        /// Kinetic bound, Pa; not negative.
+        #[schemars(range(min = 0))]
+        b: f64,
+        /// Decay, s/m; not negative.
+        #[schemars(range(min = 0))]
+        alpha: f64,
+    },
+}
+
+/// A load; its intensity is an input, its work-conjugate displacement and velocity are outputs.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Load {
+    /// Name of the input: a letter or underscore, then letters, digits and underscores; not `contact`, `energy`,
+    /// `solver` or `time`, which begin the names of other ports.
+    pub name: String,
+    /// Where it acts.
+    pub kind: LoadKind,
+    /// Name of the part a traction acts on; absent for a body force.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub part: Option<String>,
+    /// Direction, one component per dimension; not zero, its length does not matter.
+    pub direction: Vec<f64>,
+    /// Intensity at the start: Pa for a traction, N/m^3 for a body force. Default: 0.
+    #[serde(default)]
+    pub start: f64,
+    /// Course of the input within a communication step. Default: `linear`.
+    #[serde(default)]
+    pub interpolation: Interpolation,
+}
+
+/// Where a load acts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum LoadKind {
+    /// Force per area on a part of the boundary.
+    Traction,
+    /// Force per volume on the whole body.
+    BodyForce,
+}
+
+/// Course of an input within a communication step.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Interpolation {
+    /// Linear between the values at the two ends of the step.
+    #[default]
+    Linear,
+    /// The new value from the beginning of the step (a jump when it differs from the last one).
+    Hold,
+}
+
+/// A point of the body whose displacement and velocity are outputs.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Probe {
+    /// Name of the probe; as for loads, and different from them.
+    pub name: String,
+    /// Coordinates, m, one per dimension; inside the body.
+    pub at: Vec<f64>,
+}

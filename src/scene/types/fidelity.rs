@@ -1,0 +1,149 @@
+//! Time integration, and speed against accuracy.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Time integration.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Time {
+    /// Scheme. Default: `trapezoid`.
+    #[serde(default)]
+    pub scheme: Scheme,
+    /// Velocity at the start. Default: `consistent`.
+    #[serde(default)]
+    pub start: Start,
+    /// Largest internal step, s; a communication step is cut into equal internal steps no larger than this.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub step: f64,
+}
+
+/// Time scheme.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Scheme {
+    /// Trapezoidal quadrature of the history (3.2)-(3.4): second order; rings at very large steps.
+    #[default]
+    Trapezoid,
+    /// Rectangle quadrature of the history (3.26): first order, explicit in the displacement, conditionally stable.
+    Rectangle,
+    /// Backward Euler: first order, L-stable.
+    BackwardEuler,
+    /// TR-BDF2: second order, L-stable, two friction problems per step.
+    TrBdf2,
+}
+
+/// Velocity at the start.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Start {
+    /// Solves the inequality at the first instant; needed for second order.
+    #[default]
+    Consistent,
+    /// Zero velocity, the data of the paper; first order when the load does not start from zero.
+    Zero,
+}
+
+/// Speed against accuracy.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Fidelity {
+    /// What is kept of the body. Default: `auto`.
+    pub model: ModelKind,
+    /// Relative error of the reduced body seen through its ports. Default: 1e-8; a smaller one keeps more states.
+    #[schemars(range(min = 1e-12, max = 1e-1))]
+    pub tolerance: f64,
+    /// Relative residual of the friction law at every contact node. Default: 1e-10; costs few iterations.
+    #[schemars(range(min = 1e-14, max = 1e-2))]
+    pub friction_tolerance: f64,
+    /// Friction solver. Default: `newton`.
+    pub solver: FrictionSolver,
+    /// Looks, at every step, for a second solution from all-static and all-kinetic bounds; costs two more solves.
+    /// Default: false.
+    pub multiplicity_test: bool,
+}
+
+impl Default for Fidelity {
+    fn default() -> Self {
+        Fidelity {
+            model: ModelKind::Auto,
+            tolerance: 1e-8,
+            friction_tolerance: 1e-10,
+            solver: FrictionSolver::default(),
+            multiplicity_test: false,
+        }
+    }
+}
+
+/// What is kept of the body.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ModelKind {
+    /// The whole mesh: two sparse solves per step. The yardstick.
+    Full,
+    /// The whole mesh, eliminated onto the contact: one sparse solve per step.
+    Condensed,
+    /// The relaxation rates that the ports see, to `tolerance`.
+    Reduced,
+    /// The cheapest that the scene allows.
+    #[default]
+    Auto,
+}
+
+/// Friction solver.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+pub enum FrictionSolver {
+    /// Semismooth Newton, globalised by the decrease of the step energy.
+    Newton {
+        /// Largest number of iterations in one solve. Default: 200.
+        #[schemars(range(min = 1))]
+        #[serde(default = "default_newton_iterations")]
+        max_iterations: u32,
+    },
+    /// Problem 7.4 of the paper: the bound is frozen at the last iterate.
+    FixedPoint {
+        /// Relative change at which the iteration stops. Default: 1e-6.
+        #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
+        #[serde(default = "default_fixed_point_tolerance")]
+        tolerance: f64,
+        /// What the change is measured on. Default: `displacement_and_stress`.
+        #[serde(default)]
+        stop: FixedPointStop,
+        /// Largest number of iterations in one solve. Default: 1000.
+        #[schemars(range(min = 1))]
+        #[serde(default = "default_fixed_point_iterations")]
+        max_iterations: u32,
+    },
+}
+
+fn default_newton_iterations() -> u32 {
+    200
+}
+
+fn default_fixed_point_tolerance() -> f64 {
+    1e-6
+}
+
+fn default_fixed_point_iterations() -> u32 {
+    1000
+}
+
+impl Default for FrictionSolver {
+    fn default() -> Self {
+        FrictionSolver::Newton {
+            max_iterations: default_newton_iterations(),
+        }
+    }
+}
+
+/// What the stop test of the fixed point looks at.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum FixedPointStop {
+    /// Change of the displacement in the strain norm.
+    Displacement,
+    /// Change of the displacement in the strain norm and of the contact stress.
+    #[default]
+    DisplacementAndStress,
+}
