@@ -1,0 +1,131 @@
+//! The assembled body: `A u' + B u + E Lambda = sum of p_j(t) * column_j` on the free components.
+//!
+//! Nothing here checks that the body is held. Contact holds the normal components, friction the tangential ones only up to
+//! its bound; a body that can still slide or turn rigidly gives a singular A, which its Cholesky factorization finds as a
+//! pivot that is not positive.
+
+use super::dofs::DofMap;
+use super::element::Simplex;
+use super::loads::{LoadColumn, ProbeRows, load_columns, probe_rows};
+use super::material;
+use super::operators::OperatorPair;
+use crate::error::{Error, Result};
+use crate::mesh::Mesh;
+use crate::scene::Scene;
+
+/// The contact nodes, in the order of their components (the last `nodes.len() * components` free components).
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContactPatch {
+    /// Node numbers; of periodic nodes the leader.
+    pub nodes: Vec<u32>,
+    /// Coordinates of the nodes, m; z = 0 in 2D.
+    pub points: Vec<[f64; 3]>,
+    /// omega: integral of the shape function of each node over the contact part (m in 2D, m^2 in 3D), the share of
+    /// periodic followers included. The share of clamped nodes belongs to no one.
+    pub weights: Vec<f64>,
+    /// First and second tangent of each node, unit, global axes; the second is zero in 2D.
+    pub tangents: Vec<[[f64; 3]; 2]>,
+    /// Tangential components per node: dimension - 1.
+    pub components: usize,
+    /// Number of faces of the contact part.
+    pub faces: usize,
+}
+
+/// The discrete body of a scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Body {
+    /// The mesh.
+    pub mesh: Mesh,
+    /// Numbers of the free components.
+    pub dofs: DofMap,
+    /// Viscosity matrix A and elasticity matrix B.
+    pub operators: OperatorPair,
+    /// Contact nodes.
+    pub contact: ContactPatch,
+    /// One column per load of the scene, in its order.
+    pub loads: Vec<LoadColumn>,
+    /// Rows of each probe of the scene, in its order.
+    pub probes: Vec<ProbeRows>,
+    /// Smallest and largest relaxation rate of the material, 1/s: bounds of all eigenvalues of `A^-1 B`.
+    pub element_rates: [f64; 2],
+}
+
+impl Body {
+    /// Generates the mesh of a scene and assembles the body on it.
+    ///
+    /// # Errors
+    /// As [`Mesh::generate`] and [`Body::assemble_on`].
+    pub fn assemble(scene: &Scene) -> Result<Body> {
+        Body::assemble_on(scene, Mesh::generate(&scene.mesh)?)
+    }
+
+    /// Assembles the body on a given mesh; the mesh of the scene is not looked at.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for a part the mesh does not have, a direction without length, a tangent normal to the contact or a
+    /// probe outside the body; [`Error::Body`] for a cell without positive volume or a contact part that is clamped.
+    pub fn assemble_on(scene: &Scene, mesh: Mesh) -> Result<Body> {
+        for (index, cell) in mesh.cells().enumerate() {
+            let volume = Simplex::new(&mesh, cell).volume;
+            if !(volume.is_finite() && volume > 0.0) {
+                return Err(Error::Body {
+                    what: format!("cell {index} of the mesh has the volume {volume:e}"),
+                });
+            }
+        }
+        let viscosity = material::viscosity(&scene.material.viscosity);
+        let elasticity = material::elasticity(&scene.material.elasticity);
+        let dofs = DofMap::new(scene, &mesh)?;
+        let operators = OperatorPair::from_elements(&mesh, &dofs, viscosity, elasticity);
+        Ok(Body {
+            operators,
+            contact: contact_patch(scene, &mesh, &dofs)?,
+            loads: load_columns(scene, &mesh, &dofs)?,
+            probes: probe_rows(scene, &mesh, &dofs)?,
+            element_rates: material::rates(viscosity, elasticity, mesh.dimension),
+            mesh,
+            dofs,
+        })
+    }
+
+    /// Number of free components.
+    pub fn len(&self) -> usize {
+        self.dofs.len()
+    }
+
+    /// Whether no component is free; never so for an assembled body.
+    pub fn is_empty(&self) -> bool {
+        self.dofs.is_empty()
+    }
+
+    /// Number of tangential contact components: they are the last ones.
+    pub fn contact_len(&self) -> usize {
+        self.contact.nodes.len() * self.contact.components
+    }
+
+    /// Vectors at all nodes (global axes; z = 0 in 2D) of a field of free components: displacements or velocities.
+    pub fn displacement(&self, field: &[f64]) -> Vec<[f64; 3]> {
+        (0..self.mesh.nodes.len() as u32)
+            .map(|node| self.dofs.vector(node, field))
+            .collect()
+    }
+}
+
+fn contact_patch(scene: &Scene, mesh: &Mesh, dofs: &DofMap) -> Result<ContactPatch> {
+    let nodes = dofs.contact_nodes().to_vec();
+    let components = mesh.dimension - 1;
+    let tangents = |&node: &u32| {
+        let frame = dofs.frame(node);
+        // In 2D the second direction of the frame is the normal.
+        let second = if components == 2 { frame[1] } else { [0.0; 3] };
+        [frame[0], second]
+    };
+    Ok(ContactPatch {
+        points: nodes.iter().map(|&n| mesh.nodes[n as usize]).collect(),
+        weights: dofs.contact_weights().to_vec(),
+        tangents: nodes.iter().map(tangents).collect(),
+        components,
+        faces: mesh.faces(&scene.contact.part, "contact.part")?.count(),
+        nodes,
+    })
+}

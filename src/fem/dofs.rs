@@ -1,0 +1,302 @@
+//! Numbers of the free displacement components.
+//!
+//! * Clamped nodes have none; a clamped node on the contact part is not a contact node.
+//! * A contact node keeps its tangential components only, in the frame `(t1, t2, n)` (3D) or `(t1, n)` (2D): bilateral
+//!   contact sets the normal one to zero. n is the unit outward normal, the mean of the adjacent contact faces weighted by
+//!   their areas; t1 is the projection of `contact.tangent` or else of the x axis (of the y axis where n is parallel to x);
+//!   t2 = n x t1, so that (t1, t2, n) is right-handed: on a bottom (n = -y) t1 = x and t2 = z.
+//! * Every other node has `dimension` components along the global axes.
+//! * A node that follows another one (periodicity) has the numbers of its leader, and all conditions are put on the leader.
+//!
+//! The contact components come last, contact node by contact node, ordered along t1 and then t2: the trailing block of a
+//! Cholesky factor is then the operator condensed onto the contact.
+
+use super::element::{area_vector, lumped_mass, point};
+use crate::error::{Error, Result};
+use crate::mesh::{Mesh, scene_error};
+use crate::scene::Scene;
+use nalgebra::Vector3;
+use std::ops::Range;
+
+/// Mark of a node without numbers or without a frame.
+const NONE: u32 = u32::MAX;
+
+/// The global axes: the frame of every node that is not in contact.
+const GLOBAL: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
+/// Length of the projection of a unit direction below which it counts as normal to the contact.
+const PARALLEL: f64 = 1e-3;
+
+/// Which free unknowns belong to each node.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DofMap {
+    dimension: usize,
+    len: usize,
+    contact_start: usize,
+    /// Per node: number of the first component, `NONE` where all vanish. Equal for followers and leader.
+    first: Vec<u32>,
+    /// Per node: index of the contact node, `NONE` elsewhere. Equal for followers and leader.
+    contact: Vec<u32>,
+    /// Per contact node: node number (a leader).
+    contact_nodes: Vec<u32>,
+    /// Per contact node: free directions first, then the normal; unused ones are zero.
+    frames: Vec<[[f64; 3]; 3]>,
+    /// Per contact node: integral of its shape function over the contact part, m or m^2.
+    weights: Vec<f64>,
+}
+
+impl DofMap {
+    /// Numbers the components of a mesh under the conditions of a scene.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for a part the mesh does not have or a tangent that is normal to the contact; [`Error::Body`] when
+    /// no contact node is left or a contact normal is undefined.
+    pub fn new(scene: &Scene, mesh: &Mesh) -> Result<DofMap> {
+        let count = mesh.nodes.len();
+        let leader = |node: u32| mesh.leader[node as usize] as usize;
+
+        // A node of no cell has no stiffness, hence no unknowns.
+        let mut is_held = vec![true; count];
+        for &node in &mesh.cell_nodes {
+            is_held[leader(node)] = false;
+        }
+        for (i, part) in scene.clamped.iter().enumerate() {
+            for &node in mesh.faces(part, &format!("clamped[{i}]"))?.flatten() {
+                is_held[leader(node)] = true;
+            }
+        }
+
+        let mut normal_sums = vec![Vector3::zeros(); count];
+        let mut masses = vec![0.0; count];
+        let mut is_contact = vec![false; count];
+        for face in mesh.faces(&scene.contact.part, "contact.part")? {
+            let area = area_vector(mesh, face);
+            let mass = lumped_mass(mesh, face);
+            for &node in face {
+                normal_sums[leader(node)] += area;
+                masses[leader(node)] += mass;
+                is_contact[leader(node)] = true;
+            }
+        }
+        let nodes: Vec<u32> = (0..count as u32)
+            .filter(|&n| is_contact[n as usize] && !is_held[n as usize])
+            .collect();
+        if nodes.is_empty() {
+            return Err(Error::Body {
+                what: format!(
+                    "every node of the contact part \"{}\" is clamped",
+                    scene.contact.part
+                ),
+            });
+        }
+        let mut framed = Vec::with_capacity(nodes.len());
+        for node in nodes {
+            let frame = frame(scene, mesh, node, normal_sums[node as usize])?;
+            framed.push((node, frame));
+        }
+        order_along_contact(mesh, &mut framed);
+
+        let mut map = DofMap {
+            dimension: mesh.dimension,
+            len: 0,
+            contact_start: 0,
+            first: vec![NONE; count],
+            contact: vec![NONE; count],
+            contact_nodes: framed.iter().map(|(node, _)| *node).collect(),
+            frames: framed.iter().map(|(_, frame)| *frame).collect(),
+            weights: framed
+                .iter()
+                .map(|(node, _)| masses[*node as usize])
+                .collect(),
+        };
+        for (i, &node) in map.contact_nodes.iter().enumerate() {
+            map.contact[node as usize] = i as u32;
+        }
+        let mut next = 0;
+        for node in 0..count {
+            let is_leader = mesh.leader[node] as usize == node;
+            if is_leader && !is_held[node] && map.contact[node] == NONE {
+                map.first[node] = next;
+                next += mesh.dimension as u32;
+            }
+        }
+        map.contact_start = next as usize;
+        for &node in &map.contact_nodes {
+            map.first[node as usize] = next;
+            next += mesh.dimension as u32 - 1;
+        }
+        map.len = next as usize;
+        for node in 0..count {
+            map.first[node] = map.first[mesh.leader[node] as usize];
+            map.contact[node] = map.contact[mesh.leader[node] as usize];
+        }
+        Ok(map)
+    }
+
+    /// Number of free components.
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Whether no component is free; never so for a map made by [`DofMap::new`].
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// Number of the first contact component: the contact has the numbers from here to [`DofMap::len`].
+    pub fn contact_start(&self) -> usize {
+        self.contact_start
+    }
+
+    /// Numbers of the free components of a node, in the order of [`DofMap::frame`]; empty for a clamped node.
+    pub fn range(&self, node: u32) -> Range<usize> {
+        let first = self.first[node as usize];
+        if first == NONE {
+            return 0..0;
+        }
+        let components = match self.contact_index(node) {
+            Some(_) => self.dimension - 1,
+            None => self.dimension,
+        };
+        first as usize..first as usize + components
+    }
+
+    /// Number of a local component of a node; `None` where it vanishes.
+    pub fn dof(&self, node: u32, component: usize) -> Option<usize> {
+        self.range(node).nth(component)
+    }
+
+    /// Directions (global coordinates, unit) of the local components of a node: the global axes, or `t1[, t2], n` at a
+    /// contact node.
+    pub fn frame(&self, node: u32) -> &[[f64; 3]; 3] {
+        match self.contact_index(node) {
+            Some(i) => &self.frames[i],
+            None => &GLOBAL,
+        }
+    }
+
+    /// Index of a node among the contact nodes; a follower has that of its leader.
+    pub fn contact_index(&self, node: u32) -> Option<usize> {
+        let index = self.contact[node as usize];
+        (index != NONE).then_some(index as usize)
+    }
+
+    /// Node numbers of the contact nodes, in the order of their components.
+    pub fn contact_nodes(&self) -> &[u32] {
+        &self.contact_nodes
+    }
+
+    /// Integral of the shape function of each contact node over the contact part (m in 2D, m^2 in 3D).
+    pub fn contact_weights(&self) -> &[f64] {
+        &self.weights
+    }
+
+    /// The vector (global axes) at a node of a field of free components.
+    pub fn vector(&self, node: u32, field: &[f64]) -> [f64; 3] {
+        let mut sum = [0.0; 3];
+        for (dof, axis) in self.range(node).zip(self.frame(node)) {
+            for c in 0..3 {
+                sum[c] += field[dof] * axis[c];
+            }
+        }
+        sum
+    }
+}
+
+/// The frame of a contact node from the sum of its area vectors.
+fn frame(scene: &Scene, mesh: &Mesh, node: u32, sum: Vector3<f64>) -> Result<[[f64; 3]; 3]> {
+    let at = || mesh.nodes[node as usize];
+    let length = sum.norm();
+    if !(length.is_finite() && length > 0.0) {
+        return Err(Error::Body {
+            what: format!(
+                "the contact part \"{}\" has no normal at {:?}",
+                scene.contact.part,
+                at()
+            ),
+        });
+    }
+    let n = sum / length;
+    let project = |direction: Vector3<f64>| {
+        let along = direction - n * n.dot(&direction);
+        let length = along.norm();
+        (length > PARALLEL).then(|| along / length)
+    };
+    let t1 = match &scene.contact.tangent {
+        Some(values) => {
+            let given = direction(values, "contact.tangent")?;
+            project(given).ok_or_else(|| {
+                scene_error(
+                    "contact.tangent",
+                    format!("{values:?}"),
+                    format!(
+                        "a direction that is not normal to the contact (as it is at {:?})",
+                        at()
+                    ),
+                )
+            })?
+        }
+        // Two axes cannot both be parallel to n, so that the second one always has a projection.
+        None => project(Vector3::x())
+            .or_else(|| project(Vector3::y()))
+            .unwrap_or_else(Vector3::y),
+    };
+    Ok(if mesh.dimension == 2 {
+        [t1.into(), n.into(), [0.0; 3]]
+    } else {
+        [t1.into(), n.cross(&t1).into(), n.into()]
+    })
+}
+
+/// The unit vector of a direction of the scene (2 or 3 components).
+pub(super) fn direction(values: &[f64], path: &str) -> Result<Vector3<f64>> {
+    let component = |i: usize| values.get(i).copied().unwrap_or(0.0);
+    let vector = Vector3::new(component(0), component(1), component(2));
+    // Scaled by the largest component first, so that the norm can neither overflow nor vanish.
+    let largest = vector.amax();
+    if !(largest.is_finite() && largest > 0.0 && vector.iter().all(|x| x.is_finite())) {
+        return Err(scene_error(
+            path,
+            format!("{values:?}"),
+            "a finite direction other than zero".to_string(),
+        ));
+    }
+    Ok((vector / largest).normalize())
+}
+
+/// Orders the contact nodes by the coordinate along t1, those level with each other by the coordinate along t2.
+///
+/// The directions are those of the middle of the patch: on a curved contact the frames of the nodes differ.
+fn order_along_contact(mesh: &Mesh, framed: &mut [(u32, [[f64; 3]; 3])]) {
+    let mean = |axis: usize| -> Vector3<f64> {
+        framed
+            .iter()
+            .map(|(_, frame)| Vector3::from(frame[axis]))
+            .sum()
+    };
+    let t1 = mean(0);
+    // In 2D this is the mean normal, which separates nodes of a closed contact with equal coordinate along t1.
+    let t2 = mean(1);
+    let along = |node: u32, axis: &Vector3<f64>| axis.dot(&point(mesh, node));
+    let by = |axis: &Vector3<f64>, a: u32, b: u32| {
+        along(a, axis)
+            .total_cmp(&along(b, axis))
+            .then_with(|| a.cmp(&b))
+    };
+    framed.sort_by(|(a, _), (b, _)| by(&t1, *a, *b));
+    let extent = match (framed.first(), framed.last()) {
+        (Some((a, _)), Some((b, _))) => along(*b, &t1) - along(*a, &t1),
+        _ => 0.0,
+    };
+    // Rows are level when rounding alone separates them: a gap above the tolerance starts the next row.
+    let tolerance = 1e-9 * extent;
+    let mut start = 0;
+    for end in 1..=framed.len() {
+        let is_new_row = end == framed.len()
+            || along(framed[end].0, &t1) - along(framed[end - 1].0, &t1) > tolerance;
+        if is_new_row {
+            framed[start..end].sort_by(|(a, _), (b, _)| by(&t2, *a, *b));
+            start = end;
+        }
+    }
+}

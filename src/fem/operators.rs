@@ -1,0 +1,218 @@
+//! The viscosity matrix A and the elasticity matrix B on one shared sparse pattern.
+//!
+//! Both are symmetric; the lower triangle is kept in compressed columns: column j has the rows
+//! `row_idx[col_ptr[j]..col_ptr[j + 1]]`, ascending, the first one j itself. An entry that vanishes in one matrix or both
+//! (decoupled components) keeps its place, so that `c A + d B` has the same pattern, and one symbolic factorization, for all c, d.
+
+use super::dofs::DofMap;
+use super::element::{IsotropicForm, Simplex};
+use crate::mesh::Mesh;
+use nalgebra::Matrix3;
+
+/// A and B, `n x n`: lower triangles in compressed columns on one pattern.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OperatorPair {
+    /// Number of rows and columns.
+    pub n: usize,
+    /// First entry of each column, `n + 1` values.
+    pub col_ptr: Vec<usize>,
+    /// Row of each entry, ascending within a column, not less than the column.
+    pub row_idx: Vec<usize>,
+    /// Entries of A (viscosity), N s/m (2D: per metre of depth).
+    pub a: Vec<f64>,
+    /// Entries of B (elasticity), N/m (2D: per metre of depth).
+    pub b: Vec<f64>,
+}
+
+/// The coupling of one column node with one row node, summed over the cells they share.
+struct Coupling {
+    first: usize,
+    node: u32,
+    blocks: [Matrix3<f64>; 2],
+}
+
+impl OperatorPair {
+    /// Assembles both matrices from the isotropic forms `a` and `b`.
+    ///
+    /// Works node column by node column, gathering the cells around the node: no list of element entries has to be sorted,
+    /// and the order of every sum is that of the cells, so that equal input gives equal bits.
+    pub fn from_elements(
+        mesh: &Mesh,
+        dofs: &DofMap,
+        a: IsotropicForm,
+        b: IsotropicForm,
+    ) -> OperatorPair {
+        let (start, around) = cells_around(mesh);
+        let n = dofs.len();
+        // Rows per node column: about 7 neighbours in the plane, 15 in space; half of them below the diagonal.
+        let estimate = n * if mesh.dimension == 2 { 8 } else { 24 };
+        let mut pair = OperatorPair {
+            n,
+            col_ptr: Vec::with_capacity(n + 1),
+            row_idx: Vec::with_capacity(estimate),
+            a: Vec::with_capacity(estimate),
+            b: Vec::with_capacity(estimate),
+        };
+        pair.col_ptr.push(0);
+
+        const ABSENT: u32 = u32::MAX;
+        let mut place = vec![ABSENT; mesh.nodes.len()];
+        let mut couplings: Vec<Coupling> = Vec::new();
+        for column in column_order(mesh, dofs) {
+            let columns = dofs.range(column);
+            couplings.clear();
+            let range = start[column as usize]..start[column as usize + 1];
+            for &(cell, local) in &around[range] {
+                let nodes = mesh.cell(cell as usize);
+                let simplex = Simplex::new(mesh, nodes);
+                for (i, &node) in nodes.iter().enumerate() {
+                    let node = mesh.leader[node as usize];
+                    let rows = dofs.range(node);
+                    // Clamped, or above the diagonal: the transposed block is gathered with the other column.
+                    if rows.is_empty() || rows.start < columns.start {
+                        continue;
+                    }
+                    let slot = &mut place[node as usize];
+                    if *slot == ABSENT {
+                        *slot = couplings.len() as u32;
+                        couplings.push(Coupling {
+                            first: rows.start,
+                            node,
+                            blocks: [Matrix3::zeros(); 2],
+                        });
+                    }
+                    let sum = &mut couplings[*slot as usize].blocks;
+                    let [block_a, block_b] = simplex.blocks(i, local as usize, [a, b]);
+                    sum[0] += block_a;
+                    sum[1] += block_b;
+                }
+            }
+            for coupling in &mut couplings {
+                place[coupling.node as usize] = ABSENT;
+                coupling.turn(dofs, column);
+            }
+            couplings.sort_unstable_by_key(|coupling| coupling.first);
+            pair.push_columns(dofs, columns.start, columns.len(), &couplings);
+        }
+        pair
+    }
+
+    fn push_columns(&mut self, dofs: &DofMap, first: usize, count: usize, couplings: &[Coupling]) {
+        for l in 0..count {
+            for coupling in couplings {
+                for (k, row) in dofs.range(coupling.node).enumerate() {
+                    if row >= first + l {
+                        self.row_idx.push(row);
+                        self.a.push(coupling.blocks[0][(k, l)]);
+                        self.b.push(coupling.blocks[1][(k, l)]);
+                    }
+                }
+            }
+            self.col_ptr.push(self.row_idx.len());
+        }
+    }
+
+    /// Writes the entries of `ca A + cb B` (same pattern) to `out`, which has the length of `a`.
+    pub fn combine(&self, ca: f64, cb: f64, out: &mut [f64]) {
+        debug_assert_eq!(out.len(), self.a.len());
+        for ((out, a), b) in out.iter_mut().zip(&self.a).zip(&self.b) {
+            *out = ca * a + cb * b;
+        }
+    }
+
+    /// `y = K x` for the symmetric matrix K whose lower triangle has the entries `values` on this pattern.
+    pub fn apply(&self, values: &[f64], x: &[f64], y: &mut [f64]) {
+        debug_assert_eq!(values.len(), self.row_idx.len());
+        debug_assert_eq!((x.len(), y.len()), (self.n, self.n));
+        y.fill(0.0);
+        for (j, (rows, values)) in self.columns(values).enumerate() {
+            let xj = x[j];
+            let mut sum = 0.0;
+            for (&i, &value) in rows.iter().zip(values) {
+                if i == j {
+                    sum += value * xj;
+                } else {
+                    y[i] += value * xj;
+                    sum += value * x[i];
+                }
+            }
+            y[j] += sum;
+        }
+    }
+
+    /// `(x . A y, x . B y)` in one pass, without allocation.
+    pub fn product(&self, x: &[f64], y: &[f64]) -> (f64, f64) {
+        debug_assert_eq!((x.len(), y.len()), (self.n, self.n));
+        let (mut sum_a, mut sum_b) = (0.0, 0.0);
+        for j in 0..self.n {
+            let range = self.col_ptr[j]..self.col_ptr[j + 1];
+            for at in range {
+                let i = self.row_idx[at];
+                let weight = if i == j {
+                    x[j] * y[j]
+                } else {
+                    x[i] * y[j] + x[j] * y[i]
+                };
+                sum_a += self.a[at] * weight;
+                sum_b += self.b[at] * weight;
+            }
+        }
+        (sum_a, sum_b)
+    }
+
+    fn columns<'s>(&'s self, values: &'s [f64]) -> impl Iterator<Item = (&'s [usize], &'s [f64])> {
+        self.col_ptr.windows(2).map(move |ends| {
+            let range = ends[0]..ends[1];
+            (&self.row_idx[range.clone()], &values[range])
+        })
+    }
+}
+
+impl Coupling {
+    /// Turns the blocks from global axes into the frames of the two nodes.
+    fn turn(&mut self, dofs: &DofMap, column: u32) {
+        let is_turned = |node| dofs.contact_index(node).is_some();
+        if !is_turned(self.node) && !is_turned(column) {
+            return;
+        }
+        // A frame lists its directions: as a matrix by rows it takes global components to local ones.
+        let rows = |node| Matrix3::from(*dofs.frame(node)).transpose();
+        let (left, right) = (rows(self.node), rows(column).transpose());
+        for block in &mut self.blocks {
+            *block = left * *block * right;
+        }
+    }
+}
+
+/// Nodes with free components, ascending in their numbers.
+fn column_order(mesh: &Mesh, dofs: &DofMap) -> impl Iterator<Item = u32> {
+    let is_inner = |node: &u32| {
+        mesh.leader[*node as usize] == *node
+            && dofs.contact_index(*node).is_none()
+            && !dofs.range(*node).is_empty()
+    };
+    (0..mesh.nodes.len() as u32)
+        .filter(is_inner)
+        .chain(dofs.contact_nodes().iter().copied())
+}
+
+/// For every leader the cells around it and its place in each, in the order of the cells: compressed rows.
+fn cells_around(mesh: &Mesh) -> (Vec<usize>, Vec<(u32, u8)>) {
+    let mut start = vec![0; mesh.nodes.len() + 1];
+    for &node in &mesh.cell_nodes {
+        start[mesh.leader[node as usize] as usize + 1] += 1;
+    }
+    for i in 1..start.len() {
+        start[i] += start[i - 1];
+    }
+    let mut next = start.clone();
+    let mut around = vec![(0, 0); mesh.cell_nodes.len()];
+    for (c, cell) in mesh.cells().enumerate() {
+        for (local, &node) in cell.iter().enumerate() {
+            let at = &mut next[mesh.leader[node as usize] as usize];
+            around[*at] = (c as u32, local as u8);
+            *at += 1;
+        }
+    }
+    (start, around)
+}
