@@ -2,8 +2,20 @@
 
 pub mod error;
 pub mod fem;
+pub mod friction;
+pub mod linalg;
 pub mod mesh;
+pub mod model;
+pub mod ports;
+pub mod qvi;
 pub mod scene;
+mod simulator;
+mod state;
+mod step;
+mod workspace;
 
 pub use error::{Error, ErrorCode, Result};
+pub use model::{Compilation, Model, compile};
 pub use scene::Scene;
+pub use simulator::{Past, Simulator};
+pub use state::State;

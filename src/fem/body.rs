@@ -129,3 +129,25 @@ fn contact_patch(scene: &Scene, mesh: &Mesh, dofs: &DofMap) -> Result<ContactPat
         nodes,
     })
 }
+
+impl ContactPatch {
+    /// Number of contact nodes.
+    pub fn node_count(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// Number of tangential components: nodes times components.
+    pub fn len(&self) -> usize {
+        self.nodes.len() * self.components
+    }
+
+    /// Whether nothing is in contact; never so for an assembled body.
+    pub fn is_empty(&self) -> bool {
+        self.nodes.is_empty()
+    }
+
+    /// Tangential stress on the body, Pa, at component `i` under the contact force Lambda = `force` (N).
+    pub fn stress(&self, i: usize, force: f64) -> f64 {
+        -force / self.weights[i / self.components]
+    }
+}

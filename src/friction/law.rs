@@ -1,0 +1,236 @@
+//! Friction laws: the bound of the tangential stress as a function of node, slip rate and accumulated slip.
+//!
+//! Within one stage the accumulated slip is itself a function of the slip rate, `s = base + per_rate * rate`
+//! ([`SlipPath`]), so every law is, for the solver, a scalar function of the slip rate alone.
+
+use crate::error::{Error, Result};
+use crate::scene::Friction;
+
+/// Accumulated slip within a stage: `base + per_rate * rate` (m; per_rate in s).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SlipPath {
+    pub base: f64,
+    pub per_rate: f64,
+}
+
+/// A friction bound `g >= 0` in Pa.
+pub trait FrictionLaw {
+    /// Bound at contact node `node` and slip rate `rate >= 0` (m/s).
+    fn bound(&self, node: usize, rate: f64, slip: SlipPath) -> f64;
+    /// Total derivative of the bound by the slip rate, along `slip`, Pa s/m.
+    fn slope(&self, node: usize, rate: f64, slip: SlipPath) -> f64;
+    /// Integral of the bound over the slip rate from 0 to `rate`, W/m^2.
+    fn potential(&self, node: usize, rate: f64, slip: SlipPath) -> f64;
+}
+
+/// The laws a scene can name.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Law {
+    /// `g = 0`.
+    Frictionless,
+    /// `g = bound`.
+    Tresca { bound: f64 },
+    /// `g(r) = (a - b) exp(-alpha r) + b`, `a >= b >= 0`, `alpha >= 0` (7.14).
+    Exponential { a: f64, b: f64, alpha: f64 },
+}
+
+/// Largest number of coefficients of a law.
+pub const MAX_COEFFICIENTS: usize = 3;
+
+impl Law {
+    /// The law of a scene.
+    pub fn from_scene(friction: &Friction) -> Law {
+        match *friction {
+            Friction::Frictionless {} => Law::Frictionless,
+            Friction::Tresca { bound } => Law::Tresca { bound },
+            Friction::Exponential { a, b, alpha } => Law::Exponential { a, b, alpha },
+        }
+    }
+
+    /// Names of the coefficients, in the order of [`Law::coefficients`].
+    pub fn coefficient_names(&self) -> &'static [&'static str] {
+        match self {
+            Law::Frictionless => &[],
+            Law::Tresca { .. } => &["bound"],
+            Law::Exponential { .. } => &["a", "b", "alpha"],
+        }
+    }
+
+    /// Units of the coefficients.
+    pub fn coefficient_units(&self) -> &'static [&'static str] {
+        match self {
+            Law::Frictionless => &[],
+            Law::Tresca { .. } => &["Pa"],
+            Law::Exponential { .. } => &["Pa", "Pa", "s/m"],
+        }
+    }
+
+    /// Values of the coefficients; unused places are zero.
+    pub fn coefficients(&self) -> [f64; MAX_COEFFICIENTS] {
+        match *self {
+            Law::Frictionless => [0.0; MAX_COEFFICIENTS],
+            Law::Tresca { bound } => [bound, 0.0, 0.0],
+            Law::Exponential { a, b, alpha } => [a, b, alpha],
+        }
+    }
+
+    /// The same law with other coefficients (the first `coefficient_names().len()` of `values`).
+    ///
+    /// # Errors
+    /// [`Error::Value`] when a coefficient is not finite or out of its range.
+    pub fn with_coefficients(&self, values: &[f64; MAX_COEFFICIENTS]) -> Result<Law> {
+        let refuse = |name: &str, found: f64, allowed: &'static str| Error::Value {
+            what: format!("contact.friction.{name}"),
+            found,
+            allowed,
+        };
+        let finite = |name: &str, value: f64| {
+            if value.is_finite() && value >= 0.0 {
+                Ok(value)
+            } else {
+                Err(refuse(name, value, "a finite number >= 0"))
+            }
+        };
+        Ok(match self {
+            Law::Frictionless => Law::Frictionless,
+            Law::Tresca { .. } => Law::Tresca {
+                bound: finite("bound", values[0])?,
+            },
+            Law::Exponential { .. } => {
+                let b = finite("b", values[1])?;
+                let a = finite("a", values[0])?;
+                if a < b {
+                    return Err(refuse("a", a, "a >= b"));
+                }
+                let alpha = finite("alpha", values[2])?;
+                Law::Exponential { a, b, alpha }
+            }
+        })
+    }
+
+    /// Lipschitz constant L_g of the bound, Pa s/m (5.16).
+    pub fn lipschitz(&self) -> f64 {
+        match *self {
+            Law::Exponential { a, b, alpha } => (a - b) * alpha,
+            _ => 0.0,
+        }
+    }
+
+    /// Bound at rest, Pa.
+    pub fn static_bound(&self) -> f64 {
+        match *self {
+            Law::Frictionless => 0.0,
+            Law::Tresca { bound } => bound,
+            Law::Exponential { a, .. } => a,
+        }
+    }
+
+    /// Bound at an infinite slip rate, Pa.
+    pub fn kinetic_bound(&self) -> f64 {
+        match *self {
+            Law::Frictionless => 0.0,
+            Law::Tresca { bound } => bound,
+            Law::Exponential { b, .. } => b,
+        }
+    }
+}
+
+impl FrictionLaw for Law {
+    fn bound(&self, _node: usize, rate: f64, _slip: SlipPath) -> f64 {
+        match *self {
+            Law::Frictionless => 0.0,
+            Law::Tresca { bound } => bound,
+            Law::Exponential { a, b, alpha } => (a - b) * (-alpha * rate).exp() + b,
+        }
+    }
+
+    fn slope(&self, _node: usize, rate: f64, _slip: SlipPath) -> f64 {
+        match *self {
+            Law::Exponential { a, b, alpha } => -alpha * (a - b) * (-alpha * rate).exp(),
+            _ => 0.0,
+        }
+    }
+
+    fn potential(&self, _node: usize, rate: f64, _slip: SlipPath) -> f64 {
+        match *self {
+            Law::Frictionless => 0.0,
+            Law::Tresca { bound } => bound * rate,
+            // exp_m1 keeps the potential exact for small alpha * rate; alpha = 0 is the constant bound a
+            Law::Exponential { a, b, alpha } if alpha > 0.0 => {
+                b * rate - (a - b) * (-alpha * rate).exp_m1() / alpha
+            }
+            Law::Exponential { a, .. } => a * rate,
+        }
+    }
+}
+
+/// Bounds frozen node by node: the majorising problem of the paper's iteration (Problem 7.4).
+#[derive(Debug, Clone, Copy)]
+pub struct FrozenBounds<'a>(pub &'a [f64]);
+
+impl FrictionLaw for FrozenBounds<'_> {
+    fn bound(&self, node: usize, _rate: f64, _slip: SlipPath) -> f64 {
+        self.0[node]
+    }
+
+    fn slope(&self, _node: usize, _rate: f64, _slip: SlipPath) -> f64 {
+        0.0
+    }
+
+    fn potential(&self, node: usize, rate: f64, _slip: SlipPath) -> f64 {
+        self.0[node] * rate
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const AT: SlipPath = SlipPath {
+        base: 0.0,
+        per_rate: 0.0,
+    };
+
+    #[test]
+    fn slope_and_potential_are_derivative_and_integral_of_the_bound() {
+        let laws = [
+            Law::Frictionless,
+            Law::Tresca { bound: 0.3 },
+            Law::Exponential {
+                a: 0.003,
+                b: 0.001,
+                alpha: 100.0,
+            },
+            Law::Exponential {
+                a: 3.0,
+                b: 1.0,
+                alpha: 0.0,
+            },
+        ];
+        for law in laws {
+            for rate in [1e-4, 0.01, 0.3] {
+                let d = 1e-6 * rate;
+                let slope = (law.bound(0, rate + d, AT) - law.bound(0, rate - d, AT)) / (2.0 * d);
+                assert!((slope - law.slope(0, rate, AT)).abs() <= 1e-6 * (1.0 + slope.abs()));
+                let bound =
+                    (law.potential(0, rate + d, AT) - law.potential(0, rate - d, AT)) / (2.0 * d);
+                assert!((bound - law.bound(0, rate, AT)).abs() <= 1e-6 * (1e-3 + bound.abs()));
+            }
+            assert_eq!(law.potential(0, 0.0, AT), 0.0);
+            assert!((law.bound(0, 0.0, AT) - law.static_bound()).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn coefficients_round_trip_and_are_checked() {
+        let law = Law::Exponential {
+            a: 3.0,
+            b: 1.0,
+            alpha: 2.0,
+        };
+        assert_eq!(law.with_coefficients(&law.coefficients()), Ok(law));
+        assert!(law.with_coefficients(&[1.0, 2.0, 0.0]).is_err());
+        assert!(law.with_coefficients(&[f64::NAN, 0.0, 0.0]).is_err());
+        assert!(law.with_coefficients(&[1.0, 0.0, -1.0]).is_err());
+    }
+}

@@ -1,0 +1,208 @@
+//! The compiled scene: what a step needs, and no more. Immutable, shared between simulators and threads.
+
+mod body_model;
+mod compile;
+mod condensed;
+mod field;
+mod full;
+mod reduced;
+mod reduction;
+mod synthesis;
+mod transfer;
+
+pub use body_model::BodyModel;
+pub(crate) use body_model::{Scratch, StageCache};
+pub use compile::{Compilation, compile};
+pub use reduction::ReductionRecord;
+
+use crate::fem::ContactPatch;
+use crate::friction::Law;
+use crate::friction::fixed_point::FixedPoint;
+use crate::ports::Ports;
+use crate::qvi::{Certificate, Tableau};
+use crate::scene::{Interpolation, ModelKind, Start};
+
+/// How the friction problem of a stage is solved.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum SolverSettings {
+    Newton {
+        tolerance: f64,
+        max_iterations: usize,
+    },
+    FixedPoint(FixedPoint),
+}
+
+impl SolverSettings {
+    /// The solver's own stop tolerance.
+    pub fn tolerance(&self) -> f64 {
+        match self {
+            SolverSettings::Newton { tolerance, .. } => *tolerance,
+            SolverSettings::FixedPoint(settings) => settings.tolerance,
+        }
+    }
+
+    /// Most iterations of one solve.
+    pub fn max_iterations(&self) -> usize {
+        match self {
+            SolverSettings::Newton { max_iterations, .. } => *max_iterations,
+            SolverSettings::FixedPoint(settings) => settings.max_iterations,
+        }
+    }
+}
+
+/// One load as the step and the ports see it.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct LoadInput {
+    /// Intensity at the start, Pa or N/m^3.
+    pub start: f64,
+    /// Area or volume, m^2 or m^3 (m or m^2 in 2D).
+    pub measure: f64,
+}
+
+/// What was built, for reports.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Summary {
+    /// Name of the scene.
+    pub name: String,
+    /// Space dimension.
+    pub dimension: usize,
+    /// Nodes of the mesh.
+    pub mesh_nodes: usize,
+    /// Cells of the mesh.
+    pub mesh_cells: usize,
+    /// Displacement components at nodes plus as many multipliers per contact face, the count of Kazmi et al. 2014.
+    pub dofs_with_multipliers: usize,
+    /// Free displacement components.
+    pub free_dofs: usize,
+    /// What is kept of the body; never `Auto`.
+    pub kind: ModelKind,
+    /// Shifts and error of the reduction, where there is one.
+    pub reduction: Option<ReductionRecord>,
+    /// Slowest and fastest relaxation rate of the material, 1/s.
+    pub rates: [f64; 2],
+    /// Bytes held by the model of the body.
+    pub bytes: usize,
+}
+
+/// A compiled scene.
+pub struct Model {
+    body: Box<dyn BodyModel>,
+    contact: ContactPatch,
+    loads: Vec<LoadInput>,
+    interpolations: Vec<Interpolation>,
+    probes: usize,
+    ports: Ports,
+    law: Law,
+    tableau: Tableau,
+    start: Start,
+    largest_step: f64,
+    solver: SolverSettings,
+    has_multiplicity_test: bool,
+    strain_weights: (f64, f64),
+    history_capacity: usize,
+    certificate: Certificate,
+    summary: Summary,
+    fingerprint: u64,
+}
+
+impl Model {
+    /// The ports, in the order of their references.
+    pub fn ports(&self) -> &Ports {
+        &self.ports
+    }
+
+    /// The contact nodes, in the order of all contact arrays.
+    pub fn contact(&self) -> &ContactPatch {
+        &self.contact
+    }
+
+    /// What was built.
+    pub fn summary(&self) -> &Summary {
+        &self.summary
+    }
+
+    /// What guarantees (or not) that every step has exactly one solution.
+    pub fn certificate(&self) -> &Certificate {
+        &self.certificate
+    }
+
+    /// Identifies the scene (its `run` apart) and the format: states fit models with the same fingerprint.
+    pub fn fingerprint(&self) -> u64 {
+        self.fingerprint
+    }
+
+    /// Length of a displacement of the body: dofs or modes.
+    pub fn states(&self) -> usize {
+        self.body.states()
+    }
+
+    /// Largest internal step, s.
+    pub fn largest_step(&self) -> f64 {
+        self.largest_step
+    }
+
+    /// Largest stable step for an explicit scheme, s.
+    pub fn stability_limit(&self) -> Option<f64> {
+        self.tableau.stability_limit(self.summary.rates[1])
+    }
+
+    /// The friction law with the coefficients of the scene.
+    pub fn law(&self) -> &Law {
+        &self.law
+    }
+
+    /// Number of inputs: one per load.
+    pub fn input_count(&self) -> usize {
+        self.loads.len()
+    }
+
+    /// Internal steps kept in the history of a state.
+    pub fn history_capacity(&self) -> usize {
+        self.history_capacity
+    }
+
+    pub(crate) fn body(&self) -> &dyn BodyModel {
+        self.body.as_ref()
+    }
+
+    pub(crate) fn tableau(&self) -> &Tableau {
+        &self.tableau
+    }
+
+    pub(crate) fn start(&self) -> Start {
+        self.start
+    }
+
+    pub(crate) fn solver(&self) -> &SolverSettings {
+        &self.solver
+    }
+
+    pub(crate) fn has_multiplicity_test(&self) -> bool {
+        self.has_multiplicity_test
+    }
+
+    pub(crate) fn interpolations(&self) -> &[Interpolation] {
+        &self.interpolations
+    }
+
+    pub(crate) fn load_measure(&self, load: usize) -> f64 {
+        self.loads[load].measure
+    }
+
+    pub(crate) fn start_loads(&self) -> Vec<f64> {
+        self.loads.iter().map(|l| l.start).collect()
+    }
+
+    /// Linear outputs of the body: one per load, then the components of the probes.
+    pub(crate) fn output_count(&self) -> usize {
+        self.loads.len() + self.probes * self.summary.dimension
+    }
+
+    /// `|eps(u)|` in L2 of a displacement or velocity of the body.
+    pub(crate) fn strain_norm(&self, u: &[f64]) -> f64 {
+        let (a, b) = self.body.products(u);
+        let (x, y) = self.strain_weights;
+        // the difference of two positive terms may round below zero
+        (x * a + y * b).max(0.0).sqrt()
+    }
+}

@@ -1,0 +1,123 @@
+//! The reduced model: the relaxation rates that the ports see. A step needs no mesh and no sparse matrix.
+//!
+//! In modal coordinates `A = I` and `B = diag(rates)`, so a stage is `w_j = (F_j f - rate_j p_j) / (1 + theta_k rate_j)`
+//! and the contact compliance is `P diag(1 / (1 + theta_k rate)) P^T`, whatever the step size.
+
+use super::body_model::{BodyModel, Scratch, Stage};
+use crate::error::{Error, Result};
+use crate::linalg::{DenseCholesky, multiply, multiply_transposed};
+use dyn_stack::{MemBuffer, StackReq};
+use faer::linalg::matmul::triangular::{BlockStructure, matmul};
+use faer::{Accum, Mat, MatMut, Par};
+
+pub struct Reduced {
+    /// Relaxation rates, 1/s, ascending.
+    pub rates: Vec<f64>,
+    /// Contact velocities of every mode: contact length x states.
+    pub contact: Mat<f64>,
+    /// Loads, then probes, of every mode: states x outputs.
+    pub outputs: Mat<f64>,
+    /// How many of the outputs are loads.
+    pub loads: usize,
+}
+
+impl BodyModel for Reduced {
+    fn states(&self) -> usize {
+        self.rates.len()
+    }
+
+    fn contact_len(&self) -> usize {
+        self.contact.nrows()
+    }
+
+    fn factor_len(&self) -> usize {
+        self.rates.len()
+    }
+
+    fn scratch(&self) -> Scratch {
+        let (m, r) = (self.contact_len(), self.states());
+        Scratch {
+            free: vec![0.0; r],
+            work: vec![0.0; r],
+            contact: vec![0.0; m],
+            matrix: vec![0.0; m * (m + r)],
+            dense: DenseCholesky::new(m),
+            memory: MemBuffer::new(StackReq::EMPTY),
+        }
+    }
+
+    fn factor(&self, theta_k: f64, stage: &mut Stage, scratch: &mut Scratch) -> Result<()> {
+        let (m, r) = (self.contact_len(), self.states());
+        for (d, rate) in stage.factor.iter_mut().zip(&self.rates) {
+            *d = 1.0 / (1.0 + theta_k * rate);
+        }
+        let (compliance, scaled) = scratch.matrix.split_at_mut(m * m);
+        for (j, column) in scaled.chunks_exact_mut(m).enumerate() {
+            let root = stage.factor[j].sqrt();
+            for (i, value) in column.iter_mut().enumerate() {
+                *value = self.contact[(i, j)] * root;
+            }
+        }
+        let scaled = faer::MatRef::from_column_major_slice(scaled, m, r);
+        matmul(
+            MatMut::from_column_major_slice_mut(compliance, m, m),
+            BlockStructure::TriangularLower,
+            Accum::Replace,
+            scaled,
+            BlockStructure::Rectangular,
+            scaled.transpose(),
+            BlockStructure::Rectangular,
+            1.0,
+            Par::Seq,
+        );
+        if !scratch.dense.factor(m, |i, j| compliance[j * m + i]) {
+            return Err(Error::NotPositiveDefinite {
+                what: "the contact compliance",
+                pivot: 0,
+            });
+        }
+        scratch.dense.inverse(stage.s.as_mut());
+        Ok(())
+    }
+
+    fn predict(&self, stage: &Stage, p: &[f64], f: &[f64], r: &mut [f64], scratch: &mut Scratch) {
+        let loads = self.outputs.as_ref().subcols(0, self.loads);
+        multiply(loads, f, &mut scratch.free);
+        for (j, free) in scratch.free.iter_mut().enumerate() {
+            *free = (*free - self.rates[j] * p[j]) * stage.factor[j];
+        }
+        multiply(self.contact.as_ref(), &scratch.free, &mut scratch.contact);
+        multiply(stage.s.as_ref(), &scratch.contact, r);
+    }
+
+    fn correct(
+        &self,
+        stage: &Stage,
+        _contact_velocity: &[f64],
+        contact_force: &[f64],
+        w: &mut [f64],
+        scratch: &mut Scratch,
+    ) {
+        multiply_transposed(self.contact.as_ref(), contact_force, w);
+        for (j, w) in w.iter_mut().enumerate() {
+            *w = scratch.free[j] - *w * stage.factor[j];
+        }
+    }
+
+    fn products(&self, x: &[f64]) -> (f64, f64) {
+        x.iter()
+            .zip(&self.rates)
+            .fold((0.0, 0.0), |(a, b), (x, rate)| {
+                (a + x * x, b + rate * x * x)
+            })
+    }
+
+    fn outputs(&self, x: &[f64], out: &mut [f64]) {
+        multiply_transposed(self.outputs.as_ref(), x, out);
+    }
+
+    fn bytes(&self) -> usize {
+        let numbers = self.rates.len() * (1 + self.contact.nrows() + self.outputs.ncols());
+        numbers * std::mem::size_of::<f64>()
+    }
+}

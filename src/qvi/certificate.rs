@@ -1,0 +1,144 @@
+//! Certificate of unique solvability.
+//!
+//! With the trace constant `c0` (`|v_tau|_{L2(contact)} <= c0 |eps(v)|`, (5.12)), the Lipschitz constant `L_g` of the
+//! friction bound (5.16) and the ellipticity constant `m_A` of the viscosity:
+//!
+//! * the continuous problem has one solution when `c0^2 L_g < m_A` (Theorem 5.3; (2.6) with beta = c0^2 L_g, m = m_A);
+//! * a trapezoidal step has one solution when also `k < (m_A - c0^2 L_g) / L_B` (3.6), `L_B` the norm of the elasticity;
+//! * a step of this very mesh has one solution when the smallest eigenvalue of `Omega^-1/2 S Omega^-1/2` is above `L_g`,
+//!   `S` the condensed operator of `A + theta k B`: sharp for a common slope of all nodes, and the one to look at.
+//!
+//! The discrete `c0` uses the lumped contact mass, as the friction terms do.
+
+use crate::error::{Error, Result};
+use crate::fem::Body;
+use crate::linalg::{SparseCholesky, symmetric_eigen};
+use faer::Mat;
+
+/// What guarantees (or not) that every step has exactly one solution.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Certificate {
+    /// Trace constant squared, m.
+    pub c0_squared: f64,
+    /// Lipschitz constant of the friction bound, Pa s/m.
+    pub l_g: f64,
+    /// Ellipticity constant of the viscosity, Pa s.
+    pub m_a: f64,
+    /// Lipschitz constant of the elasticity, Pa.
+    pub l_b: f64,
+    /// Smallest eigenvalue of `Omega^-1/2 S Omega^-1/2` for A alone, Pa s/m.
+    pub sharp_instant: f64,
+    /// The same for the largest internal step, Pa s/m.
+    pub sharp_step: f64,
+}
+
+impl Certificate {
+    /// Theorem 5.3 and (2.6): the continuous problem has one solution.
+    pub fn is_theorem_satisfied(&self) -> bool {
+        self.c0_squared * self.l_g < self.m_a
+    }
+
+    /// Largest step for which (3.6) guarantees one solution; zero when no step does.
+    pub fn step_limit(&self) -> f64 {
+        ((self.m_a - self.c0_squared * self.l_g) / self.l_b).max(0.0)
+    }
+
+    /// The sharp discrete condition at the largest internal step.
+    pub fn is_step_unique(&self) -> bool {
+        self.margin() > 0.0
+    }
+
+    /// `sharp_step / L_g - 1`: by what share the slope of the law could grow before uniqueness is lost (negative: it is
+    /// not guaranteed); infinite for a bound that does not depend on the slip rate.
+    pub fn margin(&self) -> f64 {
+        if self.l_g == 0.0 {
+            f64::INFINITY
+        } else {
+            self.sharp_step / self.l_g - 1.0
+        }
+    }
+}
+
+/// Coefficients (trace, strain) of the two isotropic operators.
+#[derive(Debug, Clone, Copy)]
+pub struct Isotropic {
+    pub viscosity: (f64, f64),
+    pub elasticity: (f64, f64),
+}
+
+/// The certificate for a law of Lipschitz constant `l_g` and the implicit weight `theta_k` (s) of the largest step.
+///
+/// # Errors
+/// [`Error::NotPositiveDefinite`] when the body is not held.
+pub fn certify(
+    body: &Body,
+    cholesky: &SparseCholesky,
+    material: Isotropic,
+    l_g: f64,
+    theta_k: f64,
+) -> Result<Certificate> {
+    let d = body.mesh.dimension as f64;
+    let extremes = |(trace, strain): (f64, f64)| {
+        let volumetric = d * trace + strain;
+        (strain.min(volumetric), strain.max(volumetric))
+    };
+    let smallest = |weights| sharp_constant(body, cholesky, weights);
+    Ok(Certificate {
+        c0_squared: 1.0 / smallest(strain_weights(material))?,
+        l_g,
+        m_a: extremes(material.viscosity).0,
+        l_b: extremes(material.elasticity).1,
+        sharp_instant: smallest((1.0, 0.0))?,
+        sharp_step: smallest((1.0, theta_k))?,
+    })
+}
+
+/// `(x, y)` with `x A + y B` the strain norm `(eps(u), eps(v))`, or a multiple of A where A and B are proportional.
+pub fn strain_weights(material: Isotropic) -> (f64, f64) {
+    let ((ta, sa), (tb, sb)) = (material.viscosity, material.elasticity);
+    let det = sa * tb - sb * ta;
+    let size = (sa.abs() + ta.abs()) * (sb.abs() + tb.abs());
+    if det.abs() <= 1e-9 * size {
+        (1.0 / sa, 0.0)
+    } else {
+        (tb / det, -ta / det)
+    }
+}
+
+/// Condensed contact operator of `x A + y B`.
+fn condensed(body: &Body, cholesky: &SparseCholesky, (x, y): (f64, f64)) -> Result<Mat<f64>> {
+    let operators = &body.operators;
+    let mut values = vec![0.0; operators.row_idx.len()];
+    operators.combine(x, y, &mut values);
+    let mut factor = vec![0.0; cholesky.len()];
+    cholesky.factor(
+        "the contact operator (is the body clamped or otherwise held?)",
+        (&operators.col_ptr, &operators.row_idx),
+        &values,
+        &mut factor,
+        &mut cholesky.scratch(1),
+    )?;
+    let mut s = Mat::zeros(body.contact_len(), body.contact_len());
+    cholesky.condensed(&factor, s.as_mut());
+    Ok(s)
+}
+
+/// Smallest eigenvalue of `Omega^-1/2 S Omega^-1/2`, S the condensed contact operator of `x A + y B`.
+///
+/// # Errors
+/// [`Error::NotPositiveDefinite`] when the body is not held.
+pub fn sharp_constant(body: &Body, cholesky: &SparseCholesky, weights: (f64, f64)) -> Result<f64> {
+    let s = condensed(body, cholesky, weights)?;
+    let c = body.contact.components;
+    let root: Vec<f64> = (0..s.nrows())
+        .map(|i| 1.0 / body.contact.weights[i / c].sqrt())
+        .collect();
+    let scaled = Mat::from_fn(s.nrows(), s.ncols(), |i, j| s[(i, j)] * root[i] * root[j]);
+    let (values, _) = symmetric_eigen("the condensed contact operator", scaled.as_ref())?;
+    match values.first() {
+        Some(&smallest) if smallest > 0.0 => Ok(smallest),
+        found => Err(Error::Body {
+            what: format!("the condensed contact operator has the eigenvalue {found:?}"),
+        }),
+    }
+}

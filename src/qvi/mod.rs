@@ -1,0 +1,7 @@
+//! The paper's abstract scheme: the quadratures of the history and the certificate of unique solvability.
+
+mod certificate;
+mod scheme;
+
+pub use certificate::{Certificate, Isotropic, certify, sharp_constant, strain_weights};
+pub use scheme::{MAX_STAGES, Stage, Tableau};

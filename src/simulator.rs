@@ -1,0 +1,415 @@
+//! A simulator: one state of one model, driven by a master.
+
+use crate::error::{Error, Result};
+use crate::model::Model;
+use crate::ports::{Causality, Port, Quantity};
+use crate::state::{State, energy, history_row, report};
+use crate::step;
+use crate::workspace::Workspace;
+use std::sync::Arc;
+
+/// Relative deviation of the time of a call from the simulator's own that still counts as the same instant.
+const SAME_INSTANT: f64 = 1e-6;
+
+/// One simulation. Steps allocate nothing once the models' step sizes are known; a failed call changes nothing.
+pub struct Simulator {
+    model: Arc<Model>,
+    state: State,
+    trial: State,
+    workspace: Workspace,
+}
+
+/// One row of the recorded past of a contact node.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Past<'a> {
+    /// Time, s.
+    pub time: f64,
+    /// Slip rate, one value per tangential component, m/s.
+    pub slip_rate: &'a [f64],
+    /// Slip, m.
+    pub slip: &'a [f64],
+    /// Tangential stress on the body, Pa.
+    pub tangential_stress: &'a [f64],
+}
+
+impl Simulator {
+    /// A simulator before initialization.
+    pub fn new(model: Arc<Model>) -> Simulator {
+        let state = State::new(&model);
+        Simulator {
+            trial: state.clone(),
+            workspace: Workspace::new(&model),
+            state,
+            model,
+        }
+    }
+
+    /// The model.
+    pub fn model(&self) -> &Arc<Model> {
+        &self.model
+    }
+
+    /// The state.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// Time, s.
+    pub fn time(&self) -> f64 {
+        self.state.time
+    }
+
+    /// Starts the simulation at `time` with the body undeformed; inputs set before are the loads at that instant.
+    ///
+    /// # Errors
+    /// [`Error::CallOrder`] when already initialized, [`Error::Value`] for a time that is not finite,
+    /// [`Error::NotConverged`].
+    pub fn init(&mut self, time: f64) -> Result<()> {
+        if self.state.is_initialized != 0 {
+            return Err(Error::CallOrder {
+                call: "init",
+                expected: "init is called once; reset starts over",
+            });
+        }
+        if !time.is_finite() {
+            return Err(Error::Value {
+                what: "the start time".into(),
+                found: time,
+                allowed: "a finite number",
+            });
+        }
+        self.attempt(|model, state, ws| {
+            state.time = time;
+            state.loads.copy_from_slice(&state.inputs);
+            state.needs_settling = 0;
+            step::settle(model, state, ws)?;
+            state.is_initialized = 1;
+            step::record(model, state);
+            Ok(())
+        })
+    }
+
+    /// Back to the state before initialization, with the inputs and coefficients of the scene.
+    pub fn reset(&mut self) {
+        self.state = State::new(&self.model);
+    }
+
+    /// Sets all inputs: the load intensities at the end of the next step (before [`Simulator::init`]: at the start).
+    ///
+    /// # Errors
+    /// [`Error::Length`], [`Error::Value`] for a number that is not finite.
+    pub fn set_inputs(&mut self, values: &[f64]) -> Result<()> {
+        if values.len() != self.state.inputs.len() {
+            return Err(Error::Length {
+                what: "inputs",
+                expected: self.state.inputs.len(),
+                found: values.len(),
+            });
+        }
+        if let Some(at) = values.iter().position(|v| !v.is_finite()) {
+            return Err(Error::Value {
+                what: format!("input {}", self.model.ports().all()[at].name),
+                found: values[at],
+                allowed: "a finite number",
+            });
+        }
+        self.state.inputs.copy_from_slice(values);
+        Ok(())
+    }
+
+    /// Sets one input or parameter.
+    ///
+    /// # Errors
+    /// [`Error::Unknown`], [`Error::CallOrder`] for an output, [`Error::Value`].
+    pub fn set(&mut self, reference: u32, value: f64) -> Result<()> {
+        let model = Arc::clone(&self.model);
+        let port = model.ports().get(reference)?;
+        if !value.is_finite() {
+            return Err(Error::Value {
+                what: port.name.clone(),
+                found: value,
+                allowed: "a finite number",
+            });
+        }
+        match port.quantity {
+            Quantity::Load(i) => self.state.inputs[i] = value,
+            Quantity::Coefficient(i) => {
+                let mut coefficients = self.state.coefficient_array();
+                coefficients[i] = value;
+                model.law().with_coefficients(&coefficients)?;
+                if self.state.coefficients[i] != value {
+                    self.state.coefficients[i] = value;
+                    self.state.needs_settling = self.state.is_initialized;
+                }
+            }
+            _ => {
+                return Err(Error::CallOrder {
+                    call: "set",
+                    expected: "the port is an output",
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// Steps from `time` to `time + step`. A step of any size is cut into equal internal steps not larger than `time.step`.
+    ///
+    /// # Errors
+    /// [`Error::CallOrder`] before initialization, [`Error::Step`] for a step that is not positive or a time that does not
+    /// continue the simulation, [`Error::NotConverged`]. The state is then bit for bit what it was.
+    pub fn do_step(&mut self, time: f64, step: f64) -> Result<()> {
+        if self.state.is_initialized == 0 {
+            return Err(Error::CallOrder {
+                call: "do_step",
+                expected: "init first",
+            });
+        }
+        if !(step.is_finite() && step > 0.0) {
+            return Err(Error::Step {
+                what: "communication step (finite and positive)",
+                expected: self.model.largest_step(),
+                found: step,
+            });
+        }
+        let slack = SAME_INSTANT * step + 4.0 * f64::EPSILON * self.state.time.abs();
+        let is_continuous = (time - self.state.time).abs() <= slack;
+        if !is_continuous || time + step <= time {
+            return Err(Error::Step {
+                what: "time of the step",
+                expected: self.state.time,
+                found: time,
+            });
+        }
+        self.attempt(|model, state, ws| {
+            step::advance(model, state, ws, step)?;
+            state.time = time + step;
+            Ok(())
+        })
+    }
+
+    /// Runs `change` on a copy of the state, which becomes the state only when it succeeds.
+    fn attempt(
+        &mut self,
+        change: impl FnOnce(&Model, &mut State, &mut Workspace) -> Result<()>,
+    ) -> Result<()> {
+        self.trial.copy_from(&self.state);
+        change(&self.model, &mut self.trial, &mut self.workspace)?;
+        std::mem::swap(&mut self.state, &mut self.trial);
+        Ok(())
+    }
+
+    /// Values of a port, by its reference, into `out` (of the port's length).
+    ///
+    /// # Errors
+    /// [`Error::Unknown`], [`Error::Length`].
+    pub fn get(&self, reference: u32, out: &mut [f64]) -> Result<()> {
+        let port = self.model.ports().get(reference)?;
+        if out.len() != port.len() {
+            return Err(Error::Length {
+                what: "values of the port",
+                expected: port.len(),
+                found: out.len(),
+            });
+        }
+        self.read(port, out);
+        Ok(())
+    }
+
+    /// Values of a port, by its name.
+    ///
+    /// # Errors
+    /// [`Error::Unknown`].
+    pub fn get_by_name(&self, name: &str) -> Result<Vec<f64>> {
+        let port = self.model.ports().find(name)?;
+        let mut out = vec![0.0; port.len()];
+        self.read(port, &mut out);
+        Ok(out)
+    }
+
+    /// Number of values of all outputs together.
+    pub fn output_len(&self) -> usize {
+        self.outputs().map(Port::len).sum()
+    }
+
+    /// All outputs one after the other, in the order of their references.
+    ///
+    /// # Errors
+    /// [`Error::Length`].
+    pub fn get_outputs(&self, out: &mut [f64]) -> Result<()> {
+        if out.len() != self.output_len() {
+            return Err(Error::Length {
+                what: "outputs",
+                expected: self.output_len(),
+                found: out.len(),
+            });
+        }
+        let mut rest = out;
+        for port in self.outputs() {
+            let (head, tail) = rest.split_at_mut(port.len());
+            self.read(port, head);
+            rest = tail;
+        }
+        Ok(())
+    }
+
+    fn outputs(&self) -> impl Iterator<Item = &Port> {
+        let all = self.model.ports().all();
+        all.iter().filter(|p| p.causality == Causality::Output)
+    }
+
+    fn read(&self, port: &Port, out: &mut [f64]) {
+        let (state, model) = (&self.state, &self.model);
+        let contact = model.contact();
+        let c = contact.components;
+        let is_stuck = |node: usize| {
+            state.slip_rate[node * c..(node + 1) * c]
+                .iter()
+                .all(|w| *w == 0.0)
+        };
+        let loads = model.input_count();
+        let dimension = model.summary().dimension;
+        let probe = |i: usize| loads + i * dimension..loads + (i + 1) * dimension;
+        let value = match port.quantity {
+            Quantity::TangentialStress => {
+                for (i, out) in out.iter_mut().enumerate() {
+                    *out = contact.stress(i, state.force[i]);
+                }
+                return;
+            }
+            Quantity::ContactForce => {
+                for (p, out) in out.iter_mut().enumerate() {
+                    *out = -state.force.iter().skip(p).step_by(c).sum::<f64>();
+                }
+                return;
+            }
+            Quantity::Stick => {
+                for (node, out) in out.iter_mut().enumerate() {
+                    *out = f64::from(u8::from(is_stuck(node)));
+                }
+                return;
+            }
+            Quantity::SlipRate => return out.copy_from_slice(&state.slip_rate),
+            Quantity::Slip => return out.copy_from_slice(&state.slip),
+            Quantity::AccumulatedSlip => return out.copy_from_slice(&state.accumulated_slip),
+            Quantity::ProbeDisplacement(i) => {
+                return out.copy_from_slice(&state.output_displacement[probe(i)]);
+            }
+            Quantity::ProbeVelocity(i) => {
+                return out.copy_from_slice(&state.output_velocity[probe(i)]);
+            }
+            Quantity::LoadDisplacement(i) => state.output_displacement[i] / model.load_measure(i),
+            Quantity::LoadVelocity(i) => state.output_velocity[i] / model.load_measure(i),
+            Quantity::Load(i) => state.inputs[i],
+            Quantity::Coefficient(i) => state.coefficients[i],
+            Quantity::MaxSlipRate => state
+                .slip_rate
+                .chunks_exact(c)
+                .map(crate::friction::problem::norm)
+                .fold(0.0, f64::max),
+            Quantity::StickFraction => {
+                let total: f64 = contact.weights.iter().sum();
+                let stuck: f64 = (0..contact.node_count())
+                    .filter(|&node| is_stuck(node))
+                    .map(|node| contact.weights[node])
+                    .sum();
+                stuck / total
+            }
+            Quantity::ExternalWork => state.energy[energy::EXTERNAL_WORK],
+            Quantity::ElasticEnergy => state.energy[energy::ELASTIC],
+            Quantity::ViscousDissipation => state.energy[energy::VISCOUS],
+            Quantity::FrictionDissipation => state.energy[energy::FRICTION],
+            Quantity::BalanceError => {
+                state.energy[energy::EXTERNAL_WORK]
+                    - state.energy[energy::ELASTIC]
+                    - state.energy[energy::VISCOUS]
+                    - state.energy[energy::FRICTION]
+            }
+            Quantity::Iterations => state.report[report::ITERATIONS],
+            Quantity::Residual => state.report[report::RESIDUAL],
+            Quantity::Solutions => state.report[report::SOLUTIONS],
+            Quantity::SolutionGap => state.report[report::SOLUTION_GAP],
+        };
+        out[0] = value;
+    }
+
+    /// The recorded past of a contact node, oldest first: at most `history.capacity` internal steps.
+    ///
+    /// # Errors
+    /// [`Error::Unknown`] for a node beyond the last.
+    pub fn slip_history(&self, node: usize) -> Result<impl Iterator<Item = Past<'_>>> {
+        let contact = self.model.contact();
+        if node >= contact.node_count() {
+            return Err(Error::Unknown {
+                what: "contact node",
+                found: node.to_string(),
+            });
+        }
+        let (c, m) = (contact.components, contact.len());
+        let capacity = self.model.history_capacity() as u64;
+        let kept = self.state.recorded.min(capacity);
+        let row_len = history_row(m);
+        let history = &self.state.history;
+        Ok(
+            (self.state.recorded - kept..self.state.recorded).map(move |i| {
+                let at = (i % capacity) as usize * row_len;
+                let row = &history[at..at + row_len];
+                let part = |block: usize| &row[1 + block * m + node * c..][..c];
+                Past {
+                    time: row[0],
+                    slip_rate: part(0),
+                    slip: part(1),
+                    tangential_stress: part(2),
+                }
+            }),
+        )
+    }
+
+    /// Copies the state into `to`, a state of the same model; allocates nothing.
+    ///
+    /// # Errors
+    /// [`Error::Fingerprint`] when the shapes differ.
+    pub fn save(&self, to: &mut State) -> Result<()> {
+        if to.copy_from(&self.state) {
+            Ok(())
+        } else {
+            Err(self.foreign_state())
+        }
+    }
+
+    /// Makes a saved state the current one; allocates nothing.
+    ///
+    /// # Errors
+    /// [`Error::Fingerprint`] when the shapes differ.
+    pub fn restore(&mut self, from: &State) -> Result<()> {
+        if self.state.copy_from(from) {
+            Ok(())
+        } else {
+            Err(self.foreign_state())
+        }
+    }
+
+    fn foreign_state(&self) -> Error {
+        Error::Fingerprint {
+            expected: self.model.fingerprint(),
+            found: 0,
+        }
+    }
+
+    /// The state as versioned, checksummed bytes.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        self.state.to_bytes(self.model.fingerprint())
+    }
+
+    /// Continues from the bytes of a state of the same scene; on failure the state stays.
+    ///
+    /// # Errors
+    /// [`Error::Bytes`], [`Error::Fingerprint`].
+    pub fn restore_bytes(&mut self, bytes: &[u8]) -> Result<()> {
+        self.state.read_bytes(self.model.fingerprint(), bytes)
+    }
+
+    /// Stage factorizations made so far: one per step size that was not among the last few.
+    pub fn factorizations(&self) -> u64 {
+        self.workspace.stages.factorizations
+    }
+}

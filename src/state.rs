@@ -1,0 +1,286 @@
+//! The state: all that future steps depend on, and nothing else. Small, flat, compared and restored bit for bit.
+//!
+//! Bytes of a saved state (little endian): magic `SLIPSTAT`, format version, model fingerprint, number of values, the
+//! counters, the values, and a checksum (XXH3, 64 bits) over everything before it.
+
+use crate::error::{Error, Result};
+use crate::friction::law::MAX_COEFFICIENTS;
+use crate::model::Model;
+use xxhash_rust::xxh3::xxh3_64;
+
+const MAGIC: &[u8; 8] = b"SLIPSTAT";
+const FORMAT: u64 = 1;
+
+/// Where a simulation stands. Vectors over the contact go node by node, components inner.
+#[derive(Debug, Clone, PartialEq)]
+pub struct State {
+    /// Time, s.
+    pub(crate) time: f64,
+    /// Internal steps taken.
+    pub(crate) steps: u64,
+    /// Rows ever written to the history.
+    pub(crate) recorded: u64,
+    /// 0 before initialization, 1 after.
+    pub(crate) is_initialized: u64,
+    /// 1 when a coefficient changed and the velocity must be made consistent again.
+    pub(crate) needs_settling: u64,
+    /// Displacement of the body, in the coordinates of its model.
+    pub(crate) displacement: Vec<f64>,
+    /// Velocity of the body, in the coordinates of its model.
+    pub(crate) velocity: Vec<f64>,
+    /// Tangential velocity of the contact nodes relative to the foundation, m/s (also the warm start).
+    pub(crate) slip_rate: Vec<f64>,
+    /// Tangential displacement relative to the foundation, m.
+    pub(crate) slip: Vec<f64>,
+    /// Contact forces Lambda, N; the force on the body is minus this.
+    pub(crate) force: Vec<f64>,
+    /// Accumulated slip, m, one per node.
+    pub(crate) accumulated_slip: Vec<f64>,
+    /// Load intensities now.
+    pub(crate) loads: Vec<f64>,
+    /// Load intensities at the end of the next step.
+    pub(crate) inputs: Vec<f64>,
+    /// Work-conjugate integrals of the loads, then probes: of the displacement.
+    pub(crate) output_displacement: Vec<f64>,
+    /// The same of the velocity.
+    pub(crate) output_velocity: Vec<f64>,
+    /// External work, elastic energy, viscous and frictional dissipation, J.
+    pub(crate) energy: Vec<f64>,
+    /// Coefficients of the friction law.
+    pub(crate) coefficients: Vec<f64>,
+    /// Account of the last communication step: see [`Report`].
+    pub(crate) report: Vec<f64>,
+    /// Ring of the last internal steps: time, slip rate, slip, tangential stress.
+    pub(crate) history: Vec<f64>,
+}
+
+/// Places in `State::energy`.
+pub(crate) mod energy {
+    pub const EXTERNAL_WORK: usize = 0;
+    pub const ELASTIC: usize = 1;
+    pub const VISCOUS: usize = 2;
+    pub const FRICTION: usize = 3;
+    pub const COUNT: usize = 4;
+}
+
+/// Places in `State::report`.
+pub(crate) mod report {
+    pub const ITERATIONS: usize = 0;
+    pub const RESIDUAL: usize = 1;
+    pub const SOLUTIONS: usize = 2;
+    pub const SOLUTION_GAP: usize = 3;
+    pub const COUNT: usize = 4;
+}
+
+const COUNTERS: usize = 5;
+const BLOCKS: usize = 14;
+
+impl State {
+    /// The state before initialization.
+    pub(crate) fn new(model: &Model) -> State {
+        let contact = model.contact().len();
+        let nodes = model.contact().node_count();
+        let outputs = model.output_count();
+        let start = model.start_loads();
+        State {
+            time: 0.0,
+            steps: 0,
+            recorded: 0,
+            is_initialized: 0,
+            needs_settling: 0,
+            displacement: vec![0.0; model.states()],
+            velocity: vec![0.0; model.states()],
+            slip_rate: vec![0.0; contact],
+            slip: vec![0.0; contact],
+            force: vec![0.0; contact],
+            accumulated_slip: vec![0.0; nodes],
+            loads: start.clone(),
+            inputs: start,
+            output_displacement: vec![0.0; outputs],
+            output_velocity: vec![0.0; outputs],
+            energy: vec![0.0; energy::COUNT],
+            coefficients: model.law().coefficients().to_vec(),
+            report: vec![0.0; report::COUNT],
+            history: vec![0.0; model.history_capacity() * history_row(contact)],
+        }
+    }
+
+    fn blocks(&self) -> [&Vec<f64>; BLOCKS] {
+        [
+            &self.displacement,
+            &self.velocity,
+            &self.slip_rate,
+            &self.slip,
+            &self.force,
+            &self.accumulated_slip,
+            &self.loads,
+            &self.inputs,
+            &self.output_displacement,
+            &self.output_velocity,
+            &self.energy,
+            &self.coefficients,
+            &self.report,
+            &self.history,
+        ]
+    }
+
+    fn blocks_mut(&mut self) -> [&mut Vec<f64>; BLOCKS] {
+        [
+            &mut self.displacement,
+            &mut self.velocity,
+            &mut self.slip_rate,
+            &mut self.slip,
+            &mut self.force,
+            &mut self.accumulated_slip,
+            &mut self.loads,
+            &mut self.inputs,
+            &mut self.output_displacement,
+            &mut self.output_velocity,
+            &mut self.energy,
+            &mut self.coefficients,
+            &mut self.report,
+            &mut self.history,
+        ]
+    }
+
+    fn counters(&self) -> [u64; COUNTERS] {
+        [
+            self.time.to_bits(),
+            self.steps,
+            self.recorded,
+            self.is_initialized,
+            self.needs_settling,
+        ]
+    }
+
+    fn set_counters(&mut self, counters: [u64; COUNTERS]) {
+        self.time = f64::from_bits(counters[0]);
+        [
+            self.steps,
+            self.recorded,
+            self.is_initialized,
+            self.needs_settling,
+        ] = [counters[1], counters[2], counters[3], counters[4]];
+    }
+
+    /// Copies another state of the same model, without allocating. False (and nothing copied) when the shapes differ.
+    pub(crate) fn copy_from(&mut self, other: &State) -> bool {
+        let same = self
+            .blocks()
+            .iter()
+            .zip(other.blocks())
+            .all(|(a, b)| a.len() == b.len());
+        if same {
+            for (to, from) in self.blocks_mut().into_iter().zip(other.blocks()) {
+                to.copy_from_slice(from);
+            }
+            self.set_counters(other.counters());
+        }
+        same
+    }
+
+    /// Time, s.
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// Number of values, counters apart: what a save copies.
+    pub fn len(&self) -> usize {
+        self.blocks().iter().map(|b| b.len()).sum()
+    }
+
+    /// A state always holds values.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Friction coefficients as the law takes them.
+    pub(crate) fn coefficient_array(&self) -> [f64; MAX_COEFFICIENTS] {
+        let mut out = [0.0; MAX_COEFFICIENTS];
+        for (out, value) in out.iter_mut().zip(&self.coefficients) {
+            *out = *value;
+        }
+        out
+    }
+
+    /// Length of [`State::to_bytes`].
+    pub fn byte_len(&self) -> usize {
+        8 * (1 + 3 + COUNTERS + self.len() + 1)
+    }
+
+    /// Versioned, checksummed bytes; they fit every simulator of a model with the same fingerprint.
+    pub fn to_bytes(&self, fingerprint: u64) -> Vec<u8> {
+        let mut bytes = vec![0; self.byte_len()];
+        self.write_bytes(fingerprint, &mut bytes);
+        bytes
+    }
+
+    /// Writes the bytes of [`State::to_bytes`] without allocating; `out` has [`State::byte_len`] bytes.
+    fn write_bytes(&self, fingerprint: u64, out: &mut [u8]) {
+        let (body, checksum) = out.split_at_mut(self.byte_len() - 8);
+        body[..8].copy_from_slice(MAGIC);
+        let header = [FORMAT, fingerprint, self.len() as u64];
+        let numbers = header
+            .into_iter()
+            .chain(self.counters())
+            .chain(self.blocks().into_iter().flatten().map(|v| v.to_bits()));
+        for (word, number) in body[8..].chunks_exact_mut(8).zip(numbers) {
+            word.copy_from_slice(&number.to_le_bytes());
+        }
+        checksum.copy_from_slice(&xxh3_64(body).to_le_bytes());
+    }
+
+    /// Reads bytes into this state; on failure it stays as it was.
+    ///
+    /// # Errors
+    /// [`Error::Bytes`] for bytes that are not a state of this format, truncated or damaged; [`Error::Fingerprint`] for
+    /// the state of another model.
+    pub(crate) fn read_bytes(&mut self, fingerprint: u64, bytes: &[u8]) -> Result<()> {
+        let refuse = |what: String| Err(Error::Bytes { what });
+        if bytes.len() < 8 * 5 || &bytes[..8] != MAGIC {
+            return refuse("this is not a saved state".into());
+        }
+        let word = |at: usize| {
+            let mut word = [0; 8];
+            word.copy_from_slice(&bytes[8 * at..8 * at + 8]);
+            u64::from_le_bytes(word)
+        };
+        if word(1) != FORMAT {
+            return refuse(format!(
+                "state format {} (this library reads {FORMAT})",
+                word(1)
+            ));
+        }
+        if word(2) != fingerprint {
+            return Err(Error::Fingerprint {
+                expected: fingerprint,
+                found: word(2),
+            });
+        }
+        if bytes.len() != self.byte_len() || word(3) != self.len() as u64 {
+            return refuse(format!(
+                "expected {} bytes, found {}",
+                self.byte_len(),
+                bytes.len()
+            ));
+        }
+        let body = bytes.len() - 8;
+        if xxh3_64(&bytes[..body]) != word(body / 8) {
+            return refuse("the checksum of the state does not match: it is damaged".into());
+        }
+        self.set_counters(std::array::from_fn(|i| word(4 + i)));
+        let mut at = 4 + COUNTERS;
+        for block in self.blocks_mut() {
+            for value in block.iter_mut() {
+                *value = f64::from_bits(word(at));
+                at += 1;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Values of one row of the history: time, then slip rate, slip and tangential stress.
+pub(crate) fn history_row(contact_len: usize) -> usize {
+    1 + 3 * contact_len
+}

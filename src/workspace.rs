@@ -1,0 +1,147 @@
+//! Scratch of one simulator: rebuilt at will, never saved, never changes a result.
+
+use crate::friction::fixed_point::FixedPointWorkspace;
+use crate::friction::multiplicity::MultiplicityWorkspace;
+use crate::friction::newton;
+use crate::model::{Model, Scratch, StageCache};
+use crate::qvi::MAX_STAGES;
+use crate::state::State;
+
+/// Velocity, forces and loads at one instant of a step.
+pub(crate) struct Velocity {
+    pub body: Vec<f64>,
+    pub contact: Vec<f64>,
+    /// Magnitude of the slip rate, one per node.
+    pub magnitude: Vec<f64>,
+    pub force: Vec<f64>,
+    /// Work-conjugate integrals of the loads, then probes.
+    pub outputs: Vec<f64>,
+    pub load: Vec<f64>,
+}
+
+impl Velocity {
+    fn new(model: &Model) -> Velocity {
+        let contact = model.contact();
+        Velocity {
+            body: vec![0.0; model.states()],
+            contact: vec![0.0; contact.len()],
+            magnitude: vec![0.0; contact.node_count()],
+            force: vec![0.0; contact.len()],
+            outputs: vec![0.0; model.output_count()],
+            load: vec![0.0; model.interpolations().len()],
+        }
+    }
+
+    /// The instant a state stands at (loads apart).
+    pub fn load_from(&mut self, state: &State) {
+        self.body.copy_from_slice(&state.velocity);
+        self.contact.copy_from_slice(&state.slip_rate);
+        self.force.copy_from_slice(&state.force);
+        self.outputs.copy_from_slice(&state.output_velocity);
+        let components = self.contact.len() / self.magnitude.len();
+        for (to, w) in self
+            .magnitude
+            .iter_mut()
+            .zip(self.contact.chunks_exact(components))
+        {
+            *to = crate::friction::problem::norm(w);
+        }
+    }
+
+    pub fn copy_warm_start(&mut self, state: &State) {
+        self.contact.copy_from_slice(&state.slip_rate);
+    }
+
+    /// The contact of a stage: warm start and last forces of the next one.
+    pub fn store_contact(&self, state: &mut State) {
+        state.slip_rate.copy_from_slice(&self.contact);
+        state.force.copy_from_slice(&self.force);
+    }
+
+    /// Makes this the instant of the state.
+    pub fn store_into(&self, state: &mut State) {
+        self.store_contact(state);
+        state.velocity.copy_from_slice(&self.body);
+        state.output_velocity.copy_from_slice(&self.outputs);
+    }
+
+    pub fn clear(&mut self) {
+        for part in self.parts() {
+            part.fill(0.0);
+        }
+    }
+
+    /// Adds `weight` times another.
+    pub fn add(&mut self, weight: f64, other: &Velocity) {
+        let others = [
+            &other.body,
+            &other.contact,
+            &other.force,
+            &other.outputs,
+            &other.load,
+        ];
+        for (to, from) in self.parts().into_iter().zip(others) {
+            to.iter_mut().zip(from).for_each(|(t, f)| *t += weight * f);
+        }
+    }
+
+    fn parts(&mut self) -> [&mut Vec<f64>; 5] {
+        [
+            &mut self.body,
+            &mut self.contact,
+            &mut self.force,
+            &mut self.outputs,
+            &mut self.load,
+        ]
+    }
+}
+
+/// Explicit part of a stage.
+pub(crate) struct Explicit {
+    pub displacement: Vec<f64>,
+    pub accumulated_slip: Vec<f64>,
+}
+
+pub(crate) struct Workspace {
+    pub stages: StageCache,
+    pub scratch: Scratch,
+    pub newton: newton::Workspace,
+    pub fixed_point: FixedPointWorkspace,
+    pub multiplicity: MultiplicityWorkspace,
+    /// The start of the step, then its stages.
+    pub velocities: [Velocity; MAX_STAGES + 1],
+    pub mean: Velocity,
+    pub explicit: Explicit,
+    /// Loads at the start of the communication step.
+    pub loads_at_start: Vec<f64>,
+    /// Loads at the instant of the stage.
+    pub load: Vec<f64>,
+    pub condensed_load: Vec<f64>,
+    /// Displacement of the last iterate of the fixed point.
+    pub last_iterate: Vec<f64>,
+}
+
+impl Workspace {
+    pub fn new(model: &Model) -> Workspace {
+        let contact = model.contact();
+        let (nodes, len) = (contact.node_count(), contact.len());
+        let loads = vec![0.0; model.interpolations().len()];
+        Workspace {
+            stages: StageCache::new(model.body()),
+            scratch: model.body().scratch(),
+            newton: newton::Workspace::new(len),
+            fixed_point: FixedPointWorkspace::new(nodes, len),
+            multiplicity: MultiplicityWorkspace::new(nodes, len),
+            velocities: std::array::from_fn(|_| Velocity::new(model)),
+            mean: Velocity::new(model),
+            explicit: Explicit {
+                displacement: vec![0.0; model.states()],
+                accumulated_slip: vec![0.0; nodes],
+            },
+            loads_at_start: loads.clone(),
+            load: loads,
+            condensed_load: vec![0.0; len],
+            last_iterate: vec![0.0; model.states()],
+        }
+    }
+}
