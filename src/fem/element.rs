@@ -135,7 +135,8 @@ mod tests {
             }
             let strain = (gradient + gradient.transpose()) / 2.0;
             let exact = simplex.volume
-                * (form.lambda * strain.trace().powi(2) + form.two_mu * strain.norm_squared());
+                * (form.lambda * strain.trace() * strain.trace()
+                    + form.two_mu * strain.norm_squared());
             let mut energy = 0.0;
             for a in 0..=dimension {
                 for b in 0..=dimension {
