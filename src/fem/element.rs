@@ -68,9 +68,10 @@ impl Simplex {
         let from_origin = Vector3::from(at) - point(mesh, cell[0]);
         let mut values = [0.0; 4];
         let mut rest = 1.0;
-        for i in 1..=mesh.dimension {
-            values[i] = self.gradients[i].dot(&from_origin);
-            rest -= values[i];
+        // The unused gradient of the plane case is zero.
+        for (value, gradient) in values.iter_mut().zip(&self.gradients).skip(1) {
+            *value = gradient.dot(&from_origin);
+            rest -= *value;
         }
         values[0] = rest;
         values
