@@ -113,9 +113,9 @@ impl DofMap {
             map.contact[node as usize] = i as u32;
         }
         let mut next = 0;
-        for node in 0..count {
+        for (node, is_held) in is_held.iter().enumerate() {
             let is_leader = mesh.leader[node] as usize == node;
-            if is_leader && !is_held[node] && map.contact[node] == NONE {
+            if is_leader && !is_held && map.contact[node] == NONE {
                 map.first[node] = next;
                 next += mesh.dimension as u32;
             }

@@ -68,9 +68,10 @@ impl Simplex {
         let from_origin = Vector3::from(at) - point(mesh, cell[0]);
         let mut values = [0.0; 4];
         let mut rest = 1.0;
-        for i in 1..=mesh.dimension {
-            values[i] = self.gradients[i].dot(&from_origin);
-            rest -= values[i];
+        // The unused gradient of the plane case is zero.
+        for (value, gradient) in values.iter_mut().zip(&self.gradients).skip(1) {
+            *value = gradient.dot(&from_origin);
+            rest -= *value;
         }
         values[0] = rest;
         values
@@ -135,7 +136,8 @@ mod tests {
             }
             let strain = (gradient + gradient.transpose()) / 2.0;
             let exact = simplex.volume
-                * (form.lambda * strain.trace().powi(2) + form.two_mu * strain.norm_squared());
+                * (form.lambda * strain.trace() * strain.trace()
+                    + form.two_mu * strain.norm_squared());
             let mut energy = 0.0;
             for a in 0..=dimension {
                 for b in 0..=dimension {

@@ -109,31 +109,29 @@ mod tests {
             / 6.0
     }
 
-    /// Faces as sorted points on the torus of the periodic axes. A face is named by its nodes together with its middle,
-    /// because with one or two cells along an axis different faces share all three identified nodes.
+    /// A face on the torus of the periodic axes: the middles of its edges, sorted, and its centroid. Nodes alone do not
+    /// tell faces apart where an axis has one or two cells.
     fn key(mesh: &Mesh, face: [u32; 3], size: [f64; 3], periodic: &[Axis]) -> Vec<[i64; 3]> {
-        let wrap = |x: f64, c: usize, axis: Axis| {
-            let period = (size[c] * 1e6).round() as i64;
-            let x = (x * 1e6).round() as i64;
-            if periodic.contains(&axis) {
-                x.rem_euclid(period)
-            } else {
-                x
-            }
-        };
-        let point = |p: [f64; 3]| {
-            [
-                wrap(p[0], 0, Axis::X),
-                wrap(p[1], 1, Axis::Y),
-                wrap(p[2], 2, Axis::Z),
-            ]
-        };
         let p = face.map(|n| mesh.nodes[n as usize]);
-        let mut middles: Vec<_> = (0..3)
-            .map(|i| point(std::array::from_fn(|c| (p[i][c] + p[(i + 1) % 3][c]) / 2.0)))
-            .collect();
-        middles.sort_unstable();
-        middles
+        let point = |weights: [f64; 3]| {
+            std::array::from_fn(|c| {
+                let x: f64 = (0..3).map(|i| weights[i] * p[i][c]).sum();
+                let micro = |x: f64| (x * 1e6).round() as i64;
+                if periodic.contains(&[Axis::X, Axis::Y, Axis::Z][c]) {
+                    micro(x).rem_euclid(micro(size[c]))
+                } else {
+                    micro(x)
+                }
+            })
+        };
+        let mut points = vec![
+            point([0.5, 0.5, 0.0]),
+            point([0.0, 0.5, 0.5]),
+            point([0.5, 0.0, 0.5]),
+        ];
+        points.sort_unstable();
+        points.push(point([1.0 / 3.0; 3]));
+        points
     }
 
     #[test]
