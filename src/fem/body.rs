@@ -5,7 +5,7 @@
 //! pivot that is not positive.
 
 use super::dofs::DofMap;
-use super::element::Simplex;
+use super::element::{IsotropicForm, Simplex};
 use super::loads::{LoadColumn, ProbeRows, load_columns, probe_rows};
 use super::material;
 use super::operators::OperatorPair;
@@ -46,6 +46,10 @@ pub struct Body {
     pub loads: Vec<LoadColumn>,
     /// Rows of each probe of the scene, in its order.
     pub probes: Vec<ProbeRows>,
+    /// Viscosity A, Pa s.
+    pub viscosity: IsotropicForm,
+    /// Elasticity B, Pa.
+    pub elasticity: IsotropicForm,
     /// Smallest and largest relaxation rate of the material, 1/s: bounds of all eigenvalues of `A^-1 B`.
     pub element_rates: [f64; 2],
 }
@@ -73,8 +77,9 @@ impl Body {
                 });
             }
         }
-        let viscosity = material::viscosity(&scene.material.viscosity);
-        let elasticity = material::elasticity(&scene.material.elasticity);
+        let form = |(lambda, two_mu)| IsotropicForm { lambda, two_mu };
+        let viscosity = form(scene.material.viscosity.coefficients());
+        let elasticity = form(scene.material.elasticity.coefficients());
         let dofs = DofMap::new(scene, &mesh)?;
         let operators = OperatorPair::from_elements(&mesh, &dofs, viscosity, elasticity);
         Ok(Body {
@@ -83,6 +88,8 @@ impl Body {
             loads: load_columns(scene, &mesh, &dofs)?,
             probes: probe_rows(scene, &mesh, &dofs)?,
             element_rates: material::rates(viscosity, elasticity, mesh.dimension),
+            viscosity,
+            elasticity,
             mesh,
             dofs,
         })

@@ -13,7 +13,7 @@ use crate::friction::fixed_point::FixedPoint;
 use crate::linalg::SparseCholesky;
 use crate::mesh::Mesh;
 use crate::ports::{Ports, Shapes};
-use crate::qvi::{Isotropic, Tableau, certify, strain_weights};
+use crate::qvi::{Tableau, certify, strain_weights};
 use crate::scene::{FrictionSolver, LoadKind, ModelKind, Run, Scene};
 use xxhash_rust::xxh3::xxh3_64;
 
@@ -58,13 +58,9 @@ impl Compilation {
 
         let kept = keep(scene, &body, &cholesky)?;
         let law = Law::from_scene(&scene.contact.friction);
-        let material = Isotropic {
-            viscosity: scene.material.viscosity.coefficients(),
-            elasticity: scene.material.elasticity.coefficients(),
-        };
         let tableau = Tableau::of(scene.time.scheme);
         let theta_k = tableau.theta() * scene.time.step;
-        let certificate = certify(&body, &cholesky, material, law.lipschitz(), theta_k)?;
+        let certificate = certify(&body, &cholesky, law.lipschitz(), theta_k)?;
 
         let model = Model {
             summary: summary(scene, &body, &kept),
@@ -87,7 +83,7 @@ impl Compilation {
             largest_step: scene.time.step,
             solver: solver(scene),
             has_multiplicity_test: scene.fidelity.multiplicity_test,
-            strain_weights: strain_weights(material),
+            strain_weights: strain_weights(&body),
             history_capacity: scene.history.capacity as usize,
             certificate,
             fingerprint: fingerprint(scene),

@@ -11,7 +11,7 @@
 //! The discrete `c0` uses the lumped contact mass, as the friction terms do.
 
 use crate::error::{Error, Result};
-use crate::fem::Body;
+use crate::fem::{Body, IsotropicForm};
 use crate::linalg::{SparseCholesky, symmetric_eigen};
 use faer::Mat;
 
@@ -59,13 +59,6 @@ impl Certificate {
     }
 }
 
-/// Coefficients (trace, strain) of the two isotropic operators.
-#[derive(Debug, Clone, Copy)]
-pub struct Isotropic {
-    pub viscosity: (f64, f64),
-    pub elasticity: (f64, f64),
-}
-
 /// The certificate for a law of Lipschitz constant `l_g` and the implicit weight `theta_k` (s) of the largest step.
 ///
 /// # Errors
@@ -73,35 +66,34 @@ pub struct Isotropic {
 pub fn certify(
     body: &Body,
     cholesky: &SparseCholesky,
-    material: Isotropic,
     l_g: f64,
     theta_k: f64,
 ) -> Result<Certificate> {
     let d = body.mesh.dimension as f64;
-    let extremes = |(trace, strain): (f64, f64)| {
-        let volumetric = d * trace + strain;
-        (strain.min(volumetric), strain.max(volumetric))
+    let extremes = |form: IsotropicForm| {
+        let volumetric = d * form.lambda + form.two_mu;
+        (form.two_mu.min(volumetric), form.two_mu.max(volumetric))
     };
     let smallest = |weights| sharp_constant(body, cholesky, weights);
     Ok(Certificate {
-        c0_squared: 1.0 / smallest(strain_weights(material))?,
+        c0_squared: 1.0 / smallest(strain_weights(body))?,
         l_g,
-        m_a: extremes(material.viscosity).0,
-        l_b: extremes(material.elasticity).1,
+        m_a: extremes(body.viscosity).0,
+        l_b: extremes(body.elasticity).1,
         sharp_instant: smallest((1.0, 0.0))?,
         sharp_step: smallest((1.0, theta_k))?,
     })
 }
 
 /// `(x, y)` with `x A + y B` the strain norm `(eps(u), eps(v))`, or a multiple of A where A and B are proportional.
-pub fn strain_weights(material: Isotropic) -> (f64, f64) {
-    let ((ta, sa), (tb, sb)) = (material.viscosity, material.elasticity);
-    let det = sa * tb - sb * ta;
-    let size = (sa.abs() + ta.abs()) * (sb.abs() + tb.abs());
+pub fn strain_weights(body: &Body) -> (f64, f64) {
+    let (a, b) = (body.viscosity, body.elasticity);
+    let det = a.two_mu * b.lambda - b.two_mu * a.lambda;
+    let size = (a.two_mu.abs() + a.lambda.abs()) * (b.two_mu.abs() + b.lambda.abs());
     if det.abs() <= 1e-9 * size {
-        (1.0 / sa, 0.0)
+        (1.0 / a.two_mu, 0.0)
     } else {
-        (tb / det, -ta / det)
+        (b.lambda / det, -a.lambda / det)
     }
 }
 

@@ -3,5 +3,5 @@
 mod certificate;
 mod scheme;
 
-pub use certificate::{Certificate, Isotropic, certify, sharp_constant, strain_weights};
+pub use certificate::{Certificate, certify, sharp_constant, strain_weights};
 pub use scheme::{MAX_STAGES, Stage, Tableau};
