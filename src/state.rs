@@ -184,6 +184,16 @@ impl State {
         self.time
     }
 
+    /// Displacement of the body in the coordinates of its model ([`crate::Compilation::field`] gives the nodal field).
+    pub fn displacement(&self) -> &[f64] {
+        &self.displacement
+    }
+
+    /// Velocity of the body in the coordinates of its model.
+    pub fn velocity(&self) -> &[f64] {
+        &self.velocity
+    }
+
     /// Number of values, counters apart: what a save copies.
     pub fn len(&self) -> usize {
         self.blocks().iter().map(|b| b.len()).sum()

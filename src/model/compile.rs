@@ -15,6 +15,7 @@ use crate::mesh::Mesh;
 use crate::ports::{Ports, Shapes};
 use crate::qvi::{Tableau, certify, strain_weights};
 use crate::scene::{FrictionSolver, LoadKind, ModelKind, Run, Scene};
+use std::sync::Arc;
 use xxhash_rust::xxh3::xxh3_64;
 
 /// Distinguishes models whose states or steps are not interchangeable although their scenes are equal.
@@ -25,13 +26,13 @@ const MODEL_FORMAT: &str = "stickslip model 1:";
 /// # Errors
 /// [`Error::Scene`] and [`Error::Body`] for a scene without a usable body, [`Error::ReductionInaccurate`] when the
 /// reduction asked for is out of reach.
-pub fn compile(scene: &Scene) -> Result<Model> {
+pub fn compile(scene: &Scene) -> Result<Arc<Model>> {
     Compilation::new(scene).map(|c| c.model)
 }
 
 /// A compiled scene together with the body it was made from, for pictures and files.
 pub struct Compilation {
-    pub model: Model,
+    pub model: Arc<Model>,
     pub body: Body,
     cholesky: SparseCholesky,
     synthesis: Option<Synthesis>,
@@ -89,7 +90,7 @@ impl Compilation {
             fingerprint: fingerprint(scene),
         };
         Ok(Compilation {
-            model,
+            model: Arc::new(model),
             body,
             cholesky,
             synthesis: kept.synthesis,
