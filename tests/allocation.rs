@@ -1,0 +1,70 @@
+//! A step of a reduced model allocates nothing: not for new step sizes, new loads, saving, restoring or reading outputs.
+
+mod common;
+
+use common::paper;
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use stickslip::{Simulator, compile};
+
+struct Counting;
+
+thread_local! {
+    static COUNT: Cell<usize> = const { Cell::new(0) };
+}
+
+// SAFETY: forwards to the system allocator; only counts.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        COUNT.with(|c| c.set(c.get() + 1));
+        // SAFETY: the caller's contract.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: the caller's contract.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+#[test]
+fn steps_allocate_nothing() {
+    let fixed_point = r#"{"kind": "fixed_point"}"#;
+    for (overrides, cells) in [
+        (vec![("fidelity.model", "reduced")], 32),
+        (vec![("time.scheme", "tr_bdf2")], 32),
+        (vec![("fidelity.solver", fixed_point)], 16),
+        (vec![("fidelity.multiplicity_test", "true")], 16),
+        (vec![("loads[0].interpolation", "hold")], 64),
+    ] {
+        let model = compile(&paper(cells, &overrides)).unwrap();
+        let mut simulator = Simulator::new(model);
+        simulator.init(0.0).unwrap();
+        let mut saved = simulator.state().clone();
+        let mut outputs = vec![0.0; simulator.output_len()];
+        let alpha = simulator
+            .model()
+            .ports()
+            .find("contact.friction.alpha")
+            .unwrap()
+            .reference;
+        let before = COUNT.with(Cell::get);
+        for n in 0..200_u32 {
+            let load = -0.3 + 0.2 * f64::from(n).sin();
+            simulator.set_inputs(&[load]).unwrap();
+            if n % 50 == 7 {
+                simulator.set(alpha, 100.0 + f64::from(n)).unwrap();
+            }
+            let step = 0.003 * f64::from(1 + n % 13);
+            simulator.save(&mut saved).unwrap();
+            simulator.do_step(simulator.time(), step).unwrap();
+            simulator.restore(&saved).unwrap();
+            simulator.do_step(simulator.time(), step).unwrap();
+            simulator.get_outputs(&mut outputs).unwrap();
+        }
+        assert_eq!(COUNT.with(Cell::get) - before, 0, "{overrides:?}");
+    }
+}
