@@ -1,0 +1,98 @@
+//! What the instances of an FMU share: the scene with its parameters, the compiled model, the variables.
+
+use crate::fault::{Fault, Outcome};
+use crate::parameters;
+use crate::registry;
+use crate::variables::Variables;
+use std::path::Path;
+use std::sync::Arc;
+use stickslip::{Model, Scene, compile};
+use xxhash_rust::xxh3::{xxh3_64, xxh3_128};
+
+/// Name of the scene in the resources of an FMU.
+pub const SCENE_FILE: &str = "scene.json";
+/// Name of the compiled model in the resources of an FMU.
+pub const MODEL_FILE: &str = "model.bin";
+
+/// A compiled scene, immutable and shared.
+pub struct Component {
+    /// The scene of the FMU, before parameters were changed.
+    scene_text: String,
+    pub model: Arc<Model>,
+    pub variables: Variables,
+    /// Values of the fixed parameters.
+    pub parameters: Vec<f64>,
+    /// Values of the fixed parameters of the FMU.
+    origin: Vec<f64>,
+}
+
+impl Component {
+    /// Of a scene text and its model.
+    pub fn new(scene_text: String, model: Arc<Model>) -> Component {
+        let parameters = parameters::values(model.scene());
+        Component {
+            scene_text,
+            variables: Variables::new(&model),
+            origin: parameters.clone(),
+            parameters,
+            model,
+        }
+    }
+
+    /// From the resources of an FMU; instances of one process share it.
+    pub fn load(resources: &Path, token_expected: &str) -> Outcome<Arc<Component>> {
+        let read = |name: &str| {
+            let path = resources.join(name);
+            std::fs::read(&path).map_err(|e| Fault::error(format!("{}: {e}", path.display())))
+        };
+        let text = String::from_utf8(read(SCENE_FILE)?)
+            .map_err(|_| Fault::error(format!("{SCENE_FILE} in the resources is not UTF-8")))?;
+        let token = token(&text);
+        if token_expected != token {
+            return Err(Fault::error(format!(
+                "the FMU was asked for as {token_expected:?}, but this is {token:?}: model description and resources do \
+                 not belong together"
+            )));
+        }
+        let bytes = read(MODEL_FILE)?;
+        registry::shared(xxh3_64(&bytes), || {
+            let model = Arc::new(Model::from_bytes(&bytes)?);
+            Ok(Component::new(text, model))
+        })
+    }
+
+    /// The same FMU with other values of the fixed parameters; instances of one process share it.
+    pub fn with_parameters(&self, values: &[f64]) -> Outcome<Arc<Component>> {
+        let changes = parameters::overrides(&self.origin, values);
+        let mut key = self.scene_text.clone();
+        for (path, value) in &changes {
+            key.push_str(path);
+            key.push_str(value);
+        }
+        registry::shared(xxh3_64(key.as_bytes()), || {
+            let scene = Scene::with_overrides(&self.scene_text, SCENE_FILE, &changes)?;
+            let model = compile(&scene)?;
+            Ok(Component {
+                scene_text: self.scene_text.clone(),
+                variables: Variables::new(&model),
+                parameters: values.to_vec(),
+                origin: self.origin.clone(),
+                model,
+            })
+        })
+    }
+}
+
+/// Token of the FMU of a scene text: a hash of the text and of the version of this library, written as a UUID.
+pub fn token(scene_text: &str) -> String {
+    let text = format!("stickslip {} {scene_text}", env!("CARGO_PKG_VERSION"));
+    let hex = format!("{:032x}", xxh3_128(text.as_bytes()));
+    let (a, b, c, d, e) = (
+        &hex[..8],
+        &hex[8..12],
+        &hex[12..16],
+        &hex[16..20],
+        &hex[20..],
+    );
+    format!("{{{a}-{b}-{c}-{d}-{e}}}")
+}

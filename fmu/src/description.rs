@@ -1,0 +1,206 @@
+//! `modelDescription.xml` of both versions, and the terminals: written from the variables and from a fresh simulator, so
+//! that start values are those of a fresh instance.
+
+mod version2;
+mod version3;
+
+use crate::component::token;
+use crate::log::Category;
+use crate::parameters::{self, PARAMETERS};
+use crate::variables::{Role, Variables};
+use crate::xml::Xml;
+use std::sync::Arc;
+use stickslip::{Model, Simulator};
+
+/// Name of the shared library, without prefix and suffix.
+pub const MODEL_IDENTIFIER: &str = "stickslip_fmu";
+
+/// Version of FMI.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FmiVersion {
+    Fmi2,
+    Fmi3,
+}
+
+/// Units by their base units: name, kg, m, s.
+const UNITS: [(&str, i32, i32, i32); 8] = [
+    ("s", 0, 0, 1),
+    ("m", 0, 1, 0),
+    ("m/s", 0, 1, -1),
+    ("Pa", 1, -1, -2),
+    ("Pa.s", 1, -1, -1),
+    ("N", 1, 1, -2),
+    ("N/m3", 1, -2, -2),
+    ("s/m", 0, -1, 1),
+];
+const JOULE: (&str, i32, i32, i32) = ("J", 1, 2, -2);
+
+/// What a description is written from.
+struct Source<'a> {
+    model: &'a Model,
+    variables: Variables,
+    /// Values of a fresh instance.
+    start: Vec<f64>,
+    token: String,
+    date: &'a str,
+    /// FMI 3: one scalar per element.
+    is_scalar: bool,
+}
+
+impl Source<'_> {
+    fn start_of(&self, place: usize) -> String {
+        format!("{:?}", self.start[place])
+    }
+
+    fn step(&self) -> f64 {
+        let scene = self.model.scene();
+        scene.run.step.unwrap_or(scene.time.step)
+    }
+}
+
+/// The model description of an FMU of this model; `scene_text` is the scene it carries, `date` an ISO 8601 time.
+pub fn model_description(
+    model: &Arc<Model>,
+    scene_text: &str,
+    version: FmiVersion,
+    is_scalar: bool,
+    date: &str,
+) -> stickslip::Result<String> {
+    let variables = Variables::new(model);
+    let simulator = Simulator::new(Arc::clone(model));
+    let mut start = vec![0.0; variables.len()];
+    for variable in variables.all() {
+        if let Some(port) = variable.port {
+            simulator.get(port, &mut start[variable.range()])?;
+        }
+    }
+    let first = variables.len() - PARAMETERS.len();
+    start[first..].copy_from_slice(&parameters::values(model.scene()));
+    let source = Source {
+        model,
+        variables,
+        start,
+        token: token(scene_text),
+        date,
+        is_scalar,
+    };
+    Ok(match version {
+        FmiVersion::Fmi2 => version2::write(&source),
+        FmiVersion::Fmi3 => version3::write(&source),
+    })
+}
+
+fn write_units(xml: &mut Xml, variables: &Variables) {
+    xml.open("UnitDefinitions", &[]);
+    for (name, kg, m, s) in UNITS.iter().chain([&JOULE]) {
+        if !variables.all().iter().any(|v| v.unit == *name) {
+            continue;
+        }
+        xml.open("Unit", &[("name", name)]);
+        let exponents = [("kg", kg), ("m", m), ("s", s)].map(|(base, e)| (base, e.to_string()));
+        let nonzero: Vec<_> = exponents
+            .iter()
+            .filter(|(_, e)| e != "0")
+            .map(|(base, e)| (*base, e.as_str()))
+            .collect();
+        xml.empty("BaseUnit", &nonzero);
+        xml.close();
+    }
+    xml.close();
+}
+
+fn write_log_categories(xml: &mut Xml) {
+    xml.open("LogCategories", &[]);
+    for category in Category::ALL {
+        let name = category.name().to_string_lossy();
+        xml.empty(
+            "Category",
+            &[("name", &name), ("description", category.description())],
+        );
+    }
+    xml.close();
+}
+
+fn write_default_experiment(xml: &mut Xml, source: &Source) {
+    let (stop, step) = (
+        format!("{:?}", source.model.scene().run.until),
+        format!("{:?}", source.step()),
+    );
+    xml.empty(
+        "DefaultExperiment",
+        &[
+            ("startTime", "0.0"),
+            ("stopTime", &stop),
+            ("stepSize", &step),
+        ],
+    );
+}
+
+/// `dependent` as often as there are dependencies.
+fn kinds(count: usize) -> String {
+    vec!["dependent"; count].join(" ")
+}
+
+/// Terminals of FMI 3: the contact patch, and one port of power per load.
+pub fn terminals(model: &Model, is_scalar: bool) -> String {
+    let variables = Variables::new(model);
+    let names = |prefix: &str| -> Vec<String> {
+        let members = variables
+            .all()
+            .iter()
+            .filter(|v| v.name.starts_with(prefix) && v.role == Role::Output);
+        let name = |v: &crate::variables::Variable| match is_scalar {
+            true => v.element_names(),
+            false => vec![v.name.clone()],
+        };
+        members.flat_map(name).collect()
+    };
+    let mut xml = Xml::new();
+    xml.open("fmiTerminalsAndIcons", &[("fmiVersion", "3.0")]);
+    xml.open("Terminals", &[]);
+    let mut write =
+        |terminal: &str, kind: &str, description: &str, members: &[String], prefix: usize| {
+            let attributes = [
+                ("name", terminal),
+                ("matchingRule", "plug"),
+                ("terminalKind", kind),
+                ("description", description),
+            ];
+            xml.open("Terminal", &attributes);
+            for name in members {
+                let member = if name.len() > prefix {
+                    &name[prefix..]
+                } else {
+                    "intensity"
+                };
+                let attributes = [
+                    ("variableName", name.as_str()),
+                    ("memberName", member),
+                    ("variableKind", "signal"),
+                ];
+                xml.empty("TerminalMemberVariable", &attributes);
+            }
+            xml.close();
+        };
+    let text = "The contact patch, node by node.";
+    write(
+        "contact",
+        "stickslip.contact_patch",
+        text,
+        &names("contact."),
+        "contact.".len(),
+    );
+    for load in variables.all().iter().filter(|v| v.role == Role::Input) {
+        let mut members = vec![load.name.clone()];
+        members.extend(names(&format!("{}.", load.name)));
+        let text = "A load with its work-conjugate displacement and velocity.";
+        write(
+            &load.name,
+            "stickslip.load",
+            text,
+            &members,
+            load.name.len() + 1,
+        );
+    }
+    xml.finish()
+}

@@ -1,0 +1,155 @@
+//! The model description of FMI 2.0: every element of an array is a variable of its own, `name[i]`.
+
+use super::{
+    MODEL_IDENTIFIER, Source, kinds, write_default_experiment, write_log_categories, write_units,
+};
+use crate::parameters::CHOICES;
+use crate::variables::{Role, Variable};
+use crate::xml::Xml;
+
+pub fn write(source: &Source) -> String {
+    let mut xml = Xml::new();
+    let scene = source.model.scene();
+    xml.open(
+        "fmiModelDescription",
+        &[
+            ("fmiVersion", "2.0"),
+            ("modelName", &scene.name),
+            ("guid", &source.token),
+            (
+                "description",
+                "Frictional contact of a viscoelastic body with a rigid foundation.",
+            ),
+            ("version", env!("CARGO_PKG_VERSION")),
+            ("license", "MIT OR Apache-2.0"),
+            (
+                "generationTool",
+                concat!("stickslip ", env!("CARGO_PKG_VERSION")),
+            ),
+            ("generationDateAndTime", source.date),
+            ("variableNamingConvention", "structured"),
+        ],
+    );
+    xml.empty(
+        "CoSimulation",
+        &[
+            ("modelIdentifier", MODEL_IDENTIFIER),
+            ("needsExecutionTool", "false"),
+            ("canHandleVariableCommunicationStepSize", "true"),
+            ("canInterpolateInputs", "true"),
+            ("maxOutputDerivativeOrder", "1"),
+            ("canRunAsynchronuously", "false"),
+            ("canBeInstantiatedOnlyOncePerProcess", "false"),
+            ("canNotUseMemoryManagementFunctions", "true"),
+            ("canGetAndSetFMUstate", "true"),
+            ("canSerializeFMUstate", "true"),
+            ("providesDirectionalDerivative", "true"),
+        ],
+    );
+    write_units(&mut xml, &source.variables);
+    xml.open("TypeDefinitions", &[]);
+    for choices in &CHOICES {
+        xml.open("SimpleType", &[("name", choices.name)]);
+        xml.open("Enumeration", &[]);
+        for (i, word) in choices.words.iter().enumerate() {
+            xml.empty("Item", &[("name", word), ("value", &(i + 1).to_string())]);
+        }
+        xml.close();
+        xml.close();
+    }
+    xml.close();
+    write_log_categories(&mut xml);
+    write_default_experiment(&mut xml, source);
+    // FMI 2 has no independent variable of Co-Simulation that masters ask for: place 0 of the list stays unnamed
+    let listed: Vec<&Variable> = source
+        .variables
+        .all()
+        .iter()
+        .filter(|v| v.role != Role::Time)
+        .collect();
+    xml.open("ModelVariables", &[]);
+    for variable in &listed {
+        for (i, name) in variable.element_names().iter().enumerate() {
+            write_variable(&mut xml, source, variable, name, variable.first + i);
+        }
+    }
+    xml.close();
+    write_structure(&mut xml, source, &listed);
+    xml.finish()
+}
+
+fn write_variable(xml: &mut Xml, source: &Source, variable: &Variable, name: &str, place: usize) {
+    let (causality, variability, initial) = match variable.role {
+        Role::Input => ("input", "continuous", None),
+        Role::Tunable => ("parameter", "tunable", Some("exact")),
+        Role::Fixed => ("parameter", "fixed", Some("exact")),
+        Role::Output | Role::Time => ("output", "continuous", Some("calculated")),
+    };
+    let reference = place.to_string();
+    let mut attributes = vec![
+        ("name", name),
+        ("valueReference", &reference),
+        ("description", &variable.description),
+        ("causality", causality),
+        ("variability", variability),
+    ];
+    attributes.extend(initial.map(|initial| ("initial", initial)));
+    xml.open("ScalarVariable", &attributes);
+    let start = source.start_of(place);
+    match variable.choice {
+        Some(choice) => {
+            let start = (source.start[place] as i64).to_string();
+            let attributes = [
+                ("declaredType", CHOICES[choice].name),
+                ("start", start.as_str()),
+            ];
+            xml.empty("Enumeration", &attributes);
+        }
+        None => {
+            let mut attributes = Vec::new();
+            if variable.unit != "1" {
+                attributes.push(("unit", variable.unit));
+            }
+            if variable.role != Role::Output {
+                attributes.push(("start", start.as_str()));
+            }
+            xml.empty("Real", &attributes);
+        }
+    }
+    xml.close();
+}
+
+/// Every output depends on every input; the first outputs also on the parameters. Indices count from 1.
+fn write_structure(xml: &mut Xml, source: &Source, listed: &[&Variable]) {
+    // time is place 0 and is not listed, so that the index of a variable is its place
+    let places = |roles: &[Role]| -> Vec<usize> {
+        let chosen = listed.iter().filter(|v| roles.contains(&v.role));
+        chosen.flat_map(|v| v.range()).collect()
+    };
+    let join = |places: &[usize]| {
+        let texts: Vec<String> = places.iter().map(usize::to_string).collect();
+        texts.join(" ")
+    };
+    let outputs = places(&[Role::Output]);
+    let inputs = places(&[Role::Input]);
+    let all = places(&[Role::Input, Role::Tunable, Role::Fixed]);
+    debug_assert!(source.variables.len() > all.len());
+    xml.open("ModelStructure", &[]);
+    for (element, dependencies) in [("Outputs", &inputs), ("InitialUnknowns", &all)] {
+        let (list, kinds) = (join(dependencies), kinds(dependencies.len()));
+        xml.open(element, &[]);
+        for output in &outputs {
+            let index = output.to_string();
+            xml.empty(
+                "Unknown",
+                &[
+                    ("index", &index),
+                    ("dependencies", &list),
+                    ("dependenciesKind", &kinds),
+                ],
+            );
+        }
+        xml.close();
+    }
+    xml.close();
+}

@@ -1,0 +1,290 @@
+//! Packs an FMU: shared library, compiled model and scene, description, documentation, reference results.
+
+use crate::component::{MODEL_FILE, SCENE_FILE};
+use crate::description::{FmiVersion, MODEL_IDENTIFIER, model_description, terminals};
+use crate::documentation::{LibraryNotes, page};
+use crate::reference_run::{ReferenceRun, reference_run};
+use std::fmt;
+use std::io::{Cursor, Write};
+use std::path::{Path, PathBuf};
+use std::time::{SystemTime, UNIX_EPOCH};
+use stickslip::{Compilation, Scene};
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, ZipWriter};
+
+/// How an FMU is packed.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// Version of FMI. Default: FMI 3.
+    pub version: FmiVersion,
+    /// FMI 3 with one variable per array element, for importers without arrays. Default: false.
+    pub is_scalar: bool,
+    /// The shared library; default: [`find_library`].
+    pub library: Option<PathBuf>,
+    /// What errors call the scene. Default: `scene`.
+    pub source_name: String,
+}
+
+impl Default for Options {
+    fn default() -> Options {
+        Options {
+            version: FmiVersion::Fmi3,
+            is_scalar: false,
+            library: None,
+            source_name: "scene".to_owned(),
+        }
+    }
+}
+
+/// A packed FMU.
+#[derive(Debug, Clone)]
+pub struct Packed {
+    /// The zip file.
+    pub bytes: Vec<u8>,
+    /// The shared library that is in it.
+    pub library: PathBuf,
+    /// Newest glibc version that the library asks for.
+    pub glibc: Option<String>,
+}
+
+/// Why there is no FMU.
+#[derive(Debug)]
+pub enum PackageError {
+    /// The scene is refused, or does not run.
+    Scene(stickslip::Error),
+    /// There is no shared library; the places that were searched.
+    NoLibrary(Vec<PathBuf>),
+    /// A file cannot be read, or the archive not be written.
+    Io(PathBuf, std::io::Error),
+}
+
+impl fmt::Display for PackageError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            PackageError::Scene(error) => error.fmt(f),
+            PackageError::NoLibrary(places) => {
+                let places: Vec<_> = places.iter().map(|p| p.display().to_string()).collect();
+                write!(
+                    f,
+                    "no FMU library at {} (cargo build --release -p stickslip-fmu makes it)",
+                    places.join(", ")
+                )
+            }
+            PackageError::Io(path, error) => write!(f, "{}: {error}", path.display()),
+        }
+    }
+}
+
+impl std::error::Error for PackageError {}
+
+impl From<stickslip::Error> for PackageError {
+    fn from(error: stickslip::Error) -> PackageError {
+        PackageError::Scene(error)
+    }
+}
+
+/// File name of the shared library.
+fn library_name() -> String {
+    format!(
+        "{}{MODEL_IDENTIFIER}{}",
+        std::env::consts::DLL_PREFIX,
+        std::env::consts::DLL_SUFFIX
+    )
+}
+
+/// Folders of the library in an FMU, FMI 2 and FMI 3.
+fn platform(version: FmiVersion) -> &'static str {
+    match (
+        version,
+        cfg!(target_os = "macos"),
+        cfg!(windows),
+        cfg!(target_arch = "aarch64"),
+    ) {
+        (FmiVersion::Fmi2, true, ..) => "darwin64",
+        (FmiVersion::Fmi2, _, true, _) => "win64",
+        (FmiVersion::Fmi2, ..) => "linux64",
+        (FmiVersion::Fmi3, true, _, true) => "aarch64-darwin",
+        (FmiVersion::Fmi3, true, ..) => "x86_64-darwin",
+        (FmiVersion::Fmi3, _, true, _) => "x86_64-windows",
+        (FmiVersion::Fmi3, _, _, true) => "aarch64-linux",
+        (FmiVersion::Fmi3, ..) => "x86_64-linux",
+    }
+}
+
+/// The shared library: of those in `portable/`, beside the executable and in its `deps/` the one built last, because cargo
+/// may renew only one of them; the portable build wins a tie.
+///
+/// # Errors
+/// [`PackageError::NoLibrary`].
+pub fn find_library() -> Result<PathBuf, PackageError> {
+    let executable =
+        std::env::current_exe().map_err(|e| PackageError::Io("the executable".into(), e))?;
+    // an executable of a test or an example lies one folder deeper
+    let folders = executable.ancestors().skip(1).take(2);
+    let places: Vec<PathBuf> = folders
+        .flat_map(|folder| ["deps", "", "portable"].map(|p| folder.join(p).join(library_name())))
+        .collect();
+    let built = |path: &PathBuf| std::fs::metadata(path).and_then(|m| m.modified()).ok();
+    let found = places.iter().filter_map(|path| Some((built(path)?, path)));
+    match found.max_by_key(|(time, _)| *time) {
+        Some((_, path)) => Ok(path.clone()),
+        None => Err(PackageError::NoLibrary(places)),
+    }
+}
+
+/// Newest `GLIBC_x.y` among the versions that a library names.
+pub fn newest_glibc(library: &[u8]) -> Option<String> {
+    let mark = b"GLIBC_";
+    let versions = library
+        .windows(mark.len())
+        .enumerate()
+        .filter(|(_, w)| w == mark)
+        .filter_map(|(at, _)| {
+            let text: Vec<u8> = library[at + mark.len()..]
+                .iter()
+                .copied()
+                .take_while(|b| b.is_ascii_digit() || *b == b'.')
+                .collect();
+            let text = String::from_utf8(text).ok()?;
+            let numbers: Option<Vec<u32>> = text.split('.').map(|n| n.parse().ok()).collect();
+            Some((numbers?, text))
+        });
+    versions.max().map(|(_, text)| text)
+}
+
+/// Packs the FMU of a scene text. It contains: the shared library, the compiled model and the scene (in `resources/`), the
+/// model description, for FMI 3 the terminals, a documentation page, and the results of the scene's own run.
+///
+/// # Errors
+/// [`PackageError`].
+pub fn package(scene_text: &str, options: &Options) -> Result<Packed, PackageError> {
+    let scene = Scene::from_json(scene_text, &options.source_name)?;
+    let compilation = Compilation::new(&scene)?;
+    let model = &compilation.model;
+    let text = scene.to_json();
+    let library = options.library.clone().map_or_else(find_library, Ok)?;
+    let binary = std::fs::read(&library).map_err(|e| PackageError::Io(library.clone(), e))?;
+    let glibc = newest_glibc(&binary);
+    let (version, is_scalar) = (options.version, options.is_scalar);
+
+    let description = model_description(
+        model,
+        &text,
+        version,
+        is_scalar,
+        &iso_time(SystemTime::now()),
+    )?;
+    let run = reference_run(model)?;
+    let notes = LibraryNotes {
+        glibc: glibc.clone(),
+    };
+    let mut files: Vec<(String, Vec<u8>)> = vec![
+        ("modelDescription.xml".into(), description.into()),
+        (
+            format!("binaries/{}/{}", platform(version), binary_name()),
+            binary,
+        ),
+        (format!("resources/{SCENE_FILE}"), text.into()),
+        (format!("resources/{MODEL_FILE}"), model.to_bytes()),
+        (
+            "documentation/index.html".into(),
+            page(&compilation, version, is_scalar, &notes).into(),
+        ),
+    ];
+    if version == FmiVersion::Fmi3 {
+        let name = "terminalsAndIcons/terminalsAndIcons.xml";
+        files.push((name.into(), terminals(model, is_scalar).into()));
+    }
+    files.extend(reference_files(run));
+    let bytes = archive(&files).map_err(|e| PackageError::Io("the archive".into(), e.into()))?;
+    Ok(Packed {
+        bytes,
+        library,
+        glibc,
+    })
+}
+
+/// FMI names the file after the model identifier, without the prefix `lib`.
+fn binary_name() -> String {
+    format!("{MODEL_IDENTIFIER}{}", std::env::consts::DLL_SUFFIX)
+}
+
+fn reference_files(run: ReferenceRun) -> Vec<(String, Vec<u8>)> {
+    let folder = "extra/org.fmi-standard.fmi-ls-ref";
+    let manifest = format!(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiLayeredStandardManifest \
+         xmlns:fmi-ls=\"http://fmi-standard.org/fmi-ls-manifest\" fmi-ls:fmi-ls-name=\"org.fmi-standard.fmi-ls-ref\" \
+         fmi-ls:fmi-ls-version=\"0.1.0\" fmi-ls:fmi-ls-description=\"Run of the scene on its own signals: communication \
+         step {:?}, until {:?}; inputs of a row hold at its time and are set before the step that ends there.\"/>\n",
+        run.step, run.until
+    );
+    let file = |name: &str, text: String| (format!("{folder}/{name}"), text.into_bytes());
+    vec![
+        file("fmi-ls-manifest.xml", manifest),
+        file("reference_in.csv", run.inputs),
+        file("reference_out.csv", run.outputs),
+    ]
+}
+
+/// A zip file that every importer reads: deflate, no data descriptors.
+fn archive(files: &[(String, Vec<u8>)]) -> zip::result::ZipResult<Vec<u8>> {
+    let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
+    for (name, bytes) in files {
+        let mode = if Path::new(name).starts_with("binaries") {
+            0o755
+        } else {
+            0o644
+        };
+        let options = SimpleFileOptions::default()
+            .compression_method(CompressionMethod::Deflated)
+            .unix_permissions(mode);
+        zip.start_file(name.as_str(), options)?;
+        zip.write_all(bytes)?;
+    }
+    Ok(zip.finish()?.into_inner())
+}
+
+/// ISO 8601 in UTC, to the second.
+fn iso_time(time: SystemTime) -> String {
+    let seconds = time.duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs());
+    let (days, rest) = (seconds / 86_400, seconds % 86_400);
+    // days since 0000-03-01 in eras of 400 years (Hinnant, days_from_civil)
+    let z = days + 719_468;
+    let (era, doe) = (z / 146_097, z % 146_097);
+    let yoe = (doe - doe / 1460 + doe / 36_524 - doe / 146_096) / 365;
+    let doy = doe - (365 * yoe + yoe / 4 - yoe / 100);
+    let mp = (5 * doy + 2) / 153;
+    let (day, month) = (
+        doy - (153 * mp + 2) / 5 + 1,
+        if mp < 10 { mp + 3 } else { mp - 9 },
+    );
+    let year = yoe + 400 * era + u64::from(month <= 2);
+    format!(
+        "{year:04}-{month:02}-{day:02}T{:02}:{:02}:{:02}Z",
+        rest / 3600,
+        rest / 60 % 60,
+        rest % 60
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+
+    #[test]
+    fn times_are_civil() {
+        for (seconds, text) in [
+            (0, "1970-01-01T00:00:00Z"),
+            (951_782_400, "2000-02-29T00:00:00Z"),
+        ] {
+            assert_eq!(iso_time(UNIX_EPOCH + Duration::from_secs(seconds)), text);
+        }
+    }
+
+    #[test]
+    fn the_newest_version_is_found() {
+        let bytes = b"..GLIBC_2.9\0GLIBC_2.14\0GLIBC_PRIVATE\0GLIBC_2.2.5";
+        assert_eq!(newest_glibc(bytes).as_deref(), Some("2.14"));
+    }
+}

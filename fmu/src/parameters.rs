@@ -1,0 +1,195 @@
+//! The fixed parameters: values of the scene that an importer may change before the initialization ends, each named by
+//! its path in the scene. Changing one compiles the scene anew.
+
+use serde_json::Value;
+use stickslip::Scene;
+
+/// What values a parameter takes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// A number with its SI unit; `1` for a number.
+    Real(&'static str),
+    /// One of the words of [`CHOICES`]; its value is the place of the word, from 1.
+    Choice(usize),
+}
+
+/// One fixed parameter.
+#[derive(Debug)]
+pub struct Parameter {
+    pub path: &'static str,
+    pub kind: Kind,
+    pub description: &'static str,
+}
+
+/// An enumeration type.
+#[derive(Debug)]
+pub struct Choices {
+    pub name: &'static str,
+    pub words: &'static [&'static str],
+}
+
+/// Enumeration types, in the words of the scene.
+pub const CHOICES: [Choices; 4] = [
+    Choices {
+        name: "Scheme",
+        words: &["trapezoid", "rectangle", "backward_euler", "tr_bdf2"],
+    },
+    Choices {
+        name: "Start",
+        words: &["consistent", "zero"],
+    },
+    Choices {
+        name: "Model",
+        words: &["full", "condensed", "reduced", "auto"],
+    },
+    Choices {
+        name: "Convention",
+        words: &[
+            "kazmi2014",
+            "plane_strain",
+            "plane_stress",
+            "three_dimensional",
+        ],
+    },
+];
+
+const fn parameter(path: &'static str, kind: Kind, description: &'static str) -> Parameter {
+    Parameter {
+        path,
+        kind,
+        description,
+    }
+}
+
+/// All fixed parameters: the numbers first, then the choices.
+pub const PARAMETERS: [Parameter; 11] = [
+    parameter(
+        "time.step",
+        Kind::Real("s"),
+        "Largest internal step; a communication step is cut into equal internal steps no larger than this.",
+    ),
+    parameter(
+        "fidelity.tolerance",
+        Kind::Real("1"),
+        "Relative error of the reduced body seen through its ports; a smaller one keeps more states.",
+    ),
+    parameter(
+        "fidelity.friction_tolerance",
+        Kind::Real("1"),
+        "Relative residual of the friction law at every contact node.",
+    ),
+    parameter(
+        "material.viscosity.mu1",
+        Kind::Real("Pa.s"),
+        "Viscosity: coefficient of the trace.",
+    ),
+    parameter(
+        "material.viscosity.mu2",
+        Kind::Real("Pa.s"),
+        "Viscosity: coefficient of the strain rate.",
+    ),
+    parameter(
+        "material.elasticity.young",
+        Kind::Real("Pa"),
+        "Young's modulus.",
+    ),
+    parameter(
+        "material.elasticity.poisson",
+        Kind::Real("1"),
+        "Poisson's ratio.",
+    ),
+    parameter("time.scheme", Kind::Choice(0), "Time scheme."),
+    parameter("time.start", Kind::Choice(1), "Velocity at the start."),
+    parameter(
+        "fidelity.model",
+        Kind::Choice(2),
+        "What is kept of the body.",
+    ),
+    parameter(
+        "material.elasticity.convention",
+        Kind::Choice(3),
+        "How the coefficient of the trace follows from Young's modulus and Poisson's ratio.",
+    ),
+];
+
+/// Values of all parameters in a scene; choices by their place from 1 (0 for a word that is not among them).
+pub fn values(scene: &Scene) -> Vec<f64> {
+    let json = serde_json::to_value(scene).unwrap_or(Value::Null);
+    let value_at = |parameter: &Parameter| {
+        let found = json.pointer(&format!("/{}", parameter.path.replace('.', "/")));
+        match parameter.kind {
+            Kind::Real(_) => found.and_then(Value::as_f64).unwrap_or(f64::NAN),
+            Kind::Choice(list) => {
+                let word = found.and_then(Value::as_str).unwrap_or("");
+                let place = CHOICES[list].words.iter().position(|w| *w == word);
+                place.map_or(0.0, |p| (p + 1) as f64)
+            }
+        }
+    };
+    PARAMETERS.iter().map(value_at).collect()
+}
+
+/// Whether a choice has a word at this place.
+pub fn is_choice(parameter: usize, value: i64) -> bool {
+    match PARAMETERS.get(parameter).map(|p| p.kind) {
+        Some(Kind::Choice(list)) => value >= 1 && value as usize <= CHOICES[list].words.len(),
+        _ => false,
+    }
+}
+
+/// The changes that lead from one set of values to another, as overrides of a scene.
+pub fn overrides(from: &[f64], to: &[f64]) -> Vec<(String, String)> {
+    let changed = PARAMETERS
+        .iter()
+        .zip(from.iter().zip(to))
+        .filter(|(_, (a, b))| a != b);
+    changed
+        .map(|(parameter, (_, value))| {
+            let text = match parameter.kind {
+                Kind::Real(_) => format!("{value:?}"),
+                Kind::Choice(list) => {
+                    let words = CHOICES[list].words;
+                    let word = words.get((*value as usize).wrapping_sub(1));
+                    format!("\"{}\"", word.copied().unwrap_or_default())
+                }
+            };
+            (parameter.path.to_owned(), text)
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn paper() -> &'static str {
+        stickslip::scene::example("kazmi2014").expect("an embedded scene")
+    }
+
+    /// Each word of the enumerations is one that scenes accept, and each number is found in the scene.
+    #[test]
+    fn parameters_are_values_of_the_scene() {
+        let scene = Scene::from_json(paper(), "kazmi2014").expect("a valid scene");
+        let before = values(&scene);
+        assert!(
+            before.iter().all(|v| v.is_finite() && *v > 0.0),
+            "{before:?}"
+        );
+        for (i, parameter) in PARAMETERS.iter().enumerate() {
+            let Kind::Choice(list) = parameter.kind else {
+                assert!(i < 7, "numbers come first");
+                continue;
+            };
+            for place in 1..=CHOICES[list].words.len() {
+                let mut after = before.clone();
+                after[i] = place as f64;
+                if CHOICES[list].words[place - 1] == "three_dimensional" {
+                    continue; // refused in 2D
+                }
+                let changed =
+                    Scene::with_overrides(paper(), "kazmi2014", &overrides(&before, &after));
+                assert_eq!(values(&changed.expect("a valid scene")), after);
+            }
+        }
+    }
+}

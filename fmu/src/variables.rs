@@ -1,0 +1,243 @@
+//! The variables of the FMU: the ports of the model and the fixed parameters, declared once for both versions of FMI.
+//!
+//! All values of an instance stand in one flat list: time, the ports one after the other, the fixed parameters. The value
+//! reference of a scalar (and of every element of an array in FMI 2) is its place in this list, so that a getter over
+//! consecutive references is a copy. An array variable of FMI 3 has the reference [`ARRAY_BASE`] plus its number.
+
+use crate::parameters::{CHOICES, Kind, PARAMETERS};
+use std::ops::Range;
+use stickslip::Model;
+use stickslip::ports::{Causality, Quantity};
+
+/// First value reference of array variables.
+pub const ARRAY_BASE: u32 = 1 << 24;
+
+/// What a variable is to an importer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    /// The independent variable.
+    Time,
+    Input,
+    Output,
+    /// A parameter that may change between steps.
+    Tunable,
+    /// A parameter that may change before the initialization ends.
+    Fixed,
+}
+
+/// What the derivative of an output by time is, where the model knows it exactly.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Slope {
+    Unknown,
+    /// The values of this variable, element by element.
+    Variable(usize),
+    /// The Euclidean norms over the components of the nodes of this variable.
+    NormOf(usize),
+}
+
+/// One variable.
+#[derive(Debug, Clone)]
+pub struct Variable {
+    pub name: String,
+    pub description: String,
+    /// SI unit; `1` for a number.
+    pub unit: &'static str,
+    pub role: Role,
+    /// Empty for a scalar.
+    pub shape: Vec<usize>,
+    /// Place of the first value in the flat list.
+    pub first: usize,
+    /// Number of values.
+    pub len: usize,
+    /// Enumeration type, for a choice.
+    pub choice: Option<usize>,
+    /// Reference of the port, for the variables that are ports.
+    pub port: Option<u32>,
+    pub slope: Slope,
+}
+
+impl Variable {
+    /// Places of the values in the flat list.
+    pub fn range(&self) -> Range<usize> {
+        self.first..self.first + self.len
+    }
+
+    /// Names of the elements, `name[i]` or `name[i,j]` with indices from 1.
+    pub fn element_names(&self) -> Vec<String> {
+        match self.shape[..] {
+            [] => vec![self.name.clone()],
+            [n] => (1..=n).map(|i| format!("{}[{i}]", self.name)).collect(),
+            _ => {
+                let columns = self.shape[1];
+                let name =
+                    |i: usize| format!("{}[{},{}]", self.name, i / columns + 1, i % columns + 1);
+                (0..self.len).map(name).collect()
+            }
+        }
+    }
+
+    /// Value reference of the whole variable in FMI 3.
+    pub fn reference(&self, number: usize) -> u32 {
+        if self.shape.is_empty() {
+            self.first as u32
+        } else {
+            ARRAY_BASE + number as u32
+        }
+    }
+}
+
+/// All variables of a model.
+#[derive(Debug)]
+pub struct Variables {
+    list: Vec<Variable>,
+    /// Number of the variable of every place of the flat list.
+    owner: Vec<u32>,
+    /// First place of the choices: before it the list holds numbers, from it on enumerations.
+    choices: usize,
+}
+
+impl Variables {
+    pub fn new(model: &Model) -> Variables {
+        let mut all = Variables {
+            list: Vec::new(),
+            owner: Vec::new(),
+            choices: 0,
+        };
+        let time = "Time of the simulation.".to_owned();
+        all.add("time".into(), time, "s", Role::Time, Vec::new());
+        for port in model.ports().all() {
+            let role = match port.causality {
+                Causality::Input => Role::Input,
+                Causality::Output => Role::Output,
+                Causality::Parameter => Role::Tunable,
+            };
+            all.add(
+                port.name.clone(),
+                port.description.clone(),
+                port.unit,
+                role,
+                port.shape.clone(),
+            );
+            if let Some(last) = all.list.last_mut() {
+                last.port = Some(port.reference);
+            }
+        }
+        for parameter in &PARAMETERS {
+            let unit = match parameter.kind {
+                Kind::Real(unit) => unit,
+                Kind::Choice(_) => "1",
+            };
+            if let (Kind::Choice(_), 0) = (parameter.kind, all.choices) {
+                all.choices = all.len();
+            }
+            let text = parameter.description.to_owned();
+            all.add(parameter.path.into(), text, unit, Role::Fixed, Vec::new());
+            if let (Kind::Choice(list), Some(last)) = (parameter.kind, all.list.last_mut()) {
+                last.choice = Some(list);
+            }
+        }
+        all.find_slopes(model);
+        all
+    }
+
+    fn add(
+        &mut self,
+        name: String,
+        description: String,
+        unit: &'static str,
+        role: Role,
+        shape: Vec<usize>,
+    ) {
+        let (first, len) = (self.owner.len(), shape.iter().product());
+        self.owner
+            .extend(std::iter::repeat_n(self.list.len() as u32, len));
+        self.list.push(Variable {
+            name,
+            description,
+            unit,
+            role,
+            shape,
+            first,
+            len,
+            choice: None,
+            port: None,
+            slope: Slope::Unknown,
+        });
+    }
+
+    /// The derivative of a displacement is the velocity beside it; that of the accumulated slip the magnitude of the slip rate.
+    fn find_slopes(&mut self, model: &Model) {
+        let ports = model.ports().all();
+        let variable_of = |quantity: Quantity| {
+            let port = ports.iter().find(|p| p.quantity == quantity);
+            port.map(|p| p.reference as usize + 1)
+        };
+        for port in ports {
+            let slope = match port.quantity {
+                Quantity::Slip => variable_of(Quantity::SlipRate).map(Slope::Variable),
+                Quantity::AccumulatedSlip => variable_of(Quantity::SlipRate).map(Slope::NormOf),
+                Quantity::LoadDisplacement(i) => {
+                    variable_of(Quantity::LoadVelocity(i)).map(Slope::Variable)
+                }
+                Quantity::ProbeDisplacement(i) => {
+                    variable_of(Quantity::ProbeVelocity(i)).map(Slope::Variable)
+                }
+                _ => None,
+            };
+            self.list[port.reference as usize + 1].slope = slope.unwrap_or(Slope::Unknown);
+        }
+    }
+
+    pub fn all(&self) -> &[Variable] {
+        &self.list
+    }
+
+    /// Number of values.
+    pub fn len(&self) -> usize {
+        self.owner.len()
+    }
+
+    /// First place of the choices.
+    pub fn first_choice(&self) -> usize {
+        self.choices
+    }
+
+    /// First place of the fixed parameters.
+    pub fn first_parameter(&self) -> usize {
+        self.len() - PARAMETERS.len()
+    }
+
+    /// The variable of a place in the flat list.
+    pub fn at(&self, place: usize) -> Option<&Variable> {
+        self.owner
+            .get(place)
+            .map(|&number| &self.list[number as usize])
+    }
+
+    /// Places that a value reference stands for.
+    pub fn resolve(&self, reference: u32) -> Option<Range<usize>> {
+        if reference >= ARRAY_BASE {
+            let variable = self.list.get((reference - ARRAY_BASE) as usize)?;
+            (!variable.shape.is_empty()).then(|| variable.range())
+        } else {
+            let place = reference as usize;
+            (place < self.len()).then(|| place..place + 1)
+        }
+    }
+
+    /// What a message calls a value reference.
+    pub fn name(&self, reference: u32) -> String {
+        match self
+            .resolve(reference)
+            .and_then(|places| self.at(places.start))
+        {
+            Some(variable) => format!("{} (value reference {reference})", variable.name),
+            None => format!("value reference {reference}"),
+        }
+    }
+
+    /// Words of an enumeration type.
+    pub fn words(choice: usize) -> &'static [&'static str] {
+        CHOICES[choice].words
+    }
+}
