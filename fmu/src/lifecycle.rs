@@ -410,6 +410,8 @@ impl Instance {
 
     /// Sets variables, all or none.
     pub fn set<T: Scalar>(&mut self, references: &[u32], values: &[T]) -> Outcome {
+        #[cfg(feature = "panic-injection")]
+        assert!(references != [0xDEAD], "injected");
         let places: Vec<usize> = self
             .places::<T>(references, values.len())?
             .into_iter()

@@ -1,0 +1,41 @@
+"""FMUs for the tests: packed once by the `pack` example, whose folder STICKSLIP_BUILD names."""
+
+import os
+import subprocess
+from pathlib import Path
+
+import pytest
+
+BUILD = Path(os.environ.get("STICKSLIP_BUILD", Path(__file__).parents[2] / "target" / "release"))
+
+
+def run(*command):
+    done = subprocess.run([str(c) for c in command], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+@pytest.fixture(scope="session")
+def pack(tmp_path_factory):
+    folder, packed = tmp_path_factory.mktemp("fmus"), {}
+
+    def make(scene, kind):
+        """kind: "2", "3" or "3 scalar"."""
+        key = (str(scene), kind)
+        if key not in packed:
+            path = folder / f"{Path(str(scene)).stem}_{kind.replace(' ', '_')}.fmu"
+            run(BUILD / "examples" / "pack", scene, path, *kind.split())
+            packed[key] = path
+        return packed[key]
+
+    return make
+
+
+@pytest.fixture(params=["2", "3"])
+def version(request):
+    return request.param
+
+
+@pytest.fixture
+def paper(pack, version):
+    return pack("kazmi2014", version)
