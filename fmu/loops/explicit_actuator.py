@@ -1,0 +1,68 @@
+"""Explicit loop: an actuator with a controller presses the pad until its tip stands where a course demands it.
+
+The actuator is a first-order lag with a proportional-integral controller, advanced by its exact solution over a
+communication step with the tip displacement held at its last value (a Jacobi scheme: no step is repeated). The pad sees
+the actuator's pressure as an input that goes linearly to its new value. The lag of the held value makes the scheme first
+order in the communication step, which is what the loop checks against the same loop with a much smaller step.
+"""
+
+import math
+
+from master import Pad, arguments, check, figure
+
+LAG, GAIN, INTEGRAL = 0.05, 1.0, 8.0  # s, Pa/m, Pa/(m s)
+UNTIL = 2.0
+
+
+def demand(t):
+    return 0.03 * (1 - math.cos(math.pi * min(t, 1.0)))
+
+
+def run(fmu, h):
+    pad = Pad(fmu, press=0.0)
+    pressure = integral = 0.0
+    rows = []
+    decay = math.exp(-h / LAG)
+    for i in range(round(UNTIL / h) + 1):
+        t = i * h
+        tip = pad.get("tip.displacement")[0]  # pressing makes the pad bulge along the contact
+        rows.append((t, demand(t), tip, pressure, pad.get("contact.stick_fraction"), pad.get("energy.balance_error")))
+        error = demand(t) - tip
+        integral += h * error
+        command = -GAIN * error - INTEGRAL * integral
+        pressure = command + (pressure - command) * decay
+        pad.set("press", pressure)
+        pad.step(t, h)
+    work = pad.get("energy.external_work")
+    pad.close()
+    return rows, work
+
+
+def main():
+    options = arguments(__doc__)
+    runs = {h: run(options.fmu, h) for h in (1 / 32, 1 / 64, 1 / 512)}
+    fine = {row[0]: row[2] for row in runs[1 / 512][0]}
+    errors = {h: max(abs(row[2] - fine[row[0]]) for row in rows) for h, (rows, _) in runs.items()}
+    fig, axes = figure(3, "Explicit loop: actuator, controller, pad")
+    for h, (rows, _) in runs.items():
+        t = [r[0] for r in rows]
+        axes[0].plot(t, [r[2] for r in rows], label=f"tip, step 1/{round(1 / h)} s")
+        axes[1].plot(t, [r[3] for r in rows])
+        axes[2].plot(t, [r[4] for r in rows])
+    axes[0].plot(t, [r[1] for r in rows], "k--", label="demand")
+    axes[0].legend(fontsize=8)
+    for axis, label in zip(axes, ("displacement, m", "pressure, Pa", "share that sticks")):
+        axis.set_ylabel(label)
+    axes[-1].set_xlabel("time, s")
+    fig.savefig(f"{options.out}/explicit_actuator.png", dpi=110)
+    rows, work = runs[1 / 512]
+    ratio = errors[1 / 32] / errors[1 / 64]
+    off, balance = abs(rows[-1][2] - rows[-1][1]), max(abs(r[5]) for r in rows)
+    print(f"error of the tip: {errors[1 / 32]:.2e} m at 1/32 s, {errors[1 / 64]:.2e} m at 1/64 s")
+    check(f"first order in the step: ratio {ratio:.2f} between 1.6 and 2.8", 1.6 <= ratio <= 2.8)
+    check(f"the demand is met at the end: {rows[-1][2]:.5f} of {rows[-1][1]:.5f} m", off < 2e-3)
+    check(f"energy balance of the pad: {balance:.1e} of {work:.1e} J", balance < 1e-9 * work)
+
+
+if __name__ == "__main__":
+    main()

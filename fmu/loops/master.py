@@ -1,0 +1,100 @@
+"""What the four loops share: one FMU instance through FMPy's low-level interface, FMI 3, and where files go."""
+
+import argparse
+import os
+import subprocess
+from pathlib import Path
+
+import fmpy
+from fmpy.fmi3 import FMU3Slave
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def arguments(description, *more):
+    """Command line of a loop: the FMU (packed from the paper's example when absent) and the folder of the pictures."""
+    parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--fmu", help="an FMI 3 FMU with the input `press` (default: packs the example kazmi2014)")
+    parser.add_argument("--out", default=str(ROOT / "out" / "loops"), help="folder of the pictures")
+    for name, options in more:
+        parser.add_argument(name, **options)
+    found = parser.parse_args()
+    os.makedirs(found.out, exist_ok=True)
+    if not found.fmu:
+        found.fmu = os.path.join(found.out, "kazmi2014.fmu")
+        build = os.environ.get("STICKSLIP_BUILD")
+        cargo = ["cargo", "run", "--quiet", "--release", "-p", "stickslip-fmu", "--example", "pack", "--"]
+        command = [os.path.join(build, "examples", "pack")] if build else cargo
+        subprocess.run([*command, "kazmi2014", found.fmu, "3"], cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
+    return found
+
+
+class Pad:
+    """One instance. Values are set and read by the names of the model description."""
+
+    def __init__(self, fmu, parameters=None, **inputs):
+        self.description = fmpy.read_model_description(fmu)
+        self.variables = {v.name: v for v in self.description.modelVariables}
+        self.slave = FMU3Slave(
+            guid=self.description.instantiationToken,
+            unzipDirectory=fmpy.extract(fmu),
+            modelIdentifier=self.description.coSimulation.modelIdentifier,
+            instanceName="pad",
+        )
+        self.slave.instantiate()
+        for key, value in {**(parameters or {}), **inputs}.items():
+            self.set(key, value)
+        self.slave.enterInitializationMode(startTime=0.0)
+        self.slave.exitInitializationMode()
+
+    def reference(self, name):
+        return self.variables[name].valueReference
+
+    def set(self, name, value):
+        self.slave.setFloat64([self.reference(name)], [value])
+
+    def get(self, name):
+        variable = self.variables[name]
+        if not variable.dimensions:
+            return self.slave.getFloat64([variable.valueReference])[0]
+        count = 1
+        for size in variable.shape:
+            count *= size
+        return list(self.slave.getFloat64([variable.valueReference], nValues=count))
+
+    def step(self, t, h):
+        self.slave.doStep(currentCommunicationPoint=t, communicationStepSize=h)
+
+    def save(self):
+        return self.slave.getFMUState()
+
+    def restore(self, state):
+        self.slave.setFMUState(state)
+
+    def drop(self, state):
+        self.slave.freeFMUState(state)
+
+    def derivative(self, output, knob):
+        """d output / d input over the last step."""
+        return self.slave.getDirectionalDerivative([self.reference(output)], [self.reference(knob)], [1.0])[0]
+
+    def close(self):
+        self.slave.terminate()
+        self.slave.freeInstance()
+
+
+def check(what, passed):
+    print(f"{'ok  ' if passed else 'FAIL'}  {what}")
+    if not passed:
+        raise SystemExit(1)
+
+
+def figure(rows, title):
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    fig, axes = plt.subplots(rows, 1, figsize=(8, 2.6 * rows), sharex=True, layout="constrained", squeeze=False)
+    fig.suptitle(title)
+    return fig, axes[:, 0]
