@@ -40,8 +40,8 @@ def run(fmu, h):
 
 def main():
     options = arguments(__doc__)
-    runs = {h: run(options.fmu, h) for h in (1 / 32, 1 / 64, 1 / 512)}
-    fine = {row[0]: row[2] for row in runs[1 / 512][0]}
+    runs = {h: run(options.fmu, h) for h in (1 / 128, 1 / 256, 1 / 2048)}
+    fine = {row[0]: row[2] for row in runs[1 / 2048][0]}
     errors = {h: max(abs(row[2] - fine[row[0]]) for row in rows) for h, (rows, _) in runs.items()}
     fig, axes = figure(3, "Explicit loop: actuator, controller, pad")
     for h, (rows, _) in runs.items():
@@ -55,10 +55,10 @@ def main():
         axis.set_ylabel(label)
     axes[-1].set_xlabel("time, s")
     fig.savefig(f"{options.out}/explicit_actuator.png", dpi=110)
-    rows, work = runs[1 / 512]
-    ratio = errors[1 / 32] / errors[1 / 64]
+    rows, work = runs[1 / 2048]
+    ratio = errors[1 / 128] / errors[1 / 256]
     off, balance = abs(rows[-1][2] - rows[-1][1]), max(abs(r[5]) for r in rows)
-    print(f"error of the tip: {errors[1 / 32]:.2e} m at 1/32 s, {errors[1 / 64]:.2e} m at 1/64 s")
+    print(f"error of the tip: {errors[1 / 128]:.2e} m at 1/128 s, {errors[1 / 256]:.2e} m at 1/256 s")
     check(f"first order in the step: ratio {ratio:.2f} between 1.6 and 2.8", 1.6 <= ratio <= 2.8)
     check(f"the demand is met at the end: {rows[-1][2]:.5f} of {rows[-1][1]:.5f} m", off < 2e-3)
     check(f"energy balance of the pad: {balance:.1e} of {work:.1e} J", balance < 1e-9 * work)
