@@ -442,9 +442,9 @@ for cycle in range(count):
     if cycle % 100 == 0:
         gc.collect()
         sizes.append(resident())
-assert len(os.listdir("/proc/self/task")) == threads, "a thread was left"
+left = len(os.listdir("/proc/self/task")); assert left == threads, (left, threads)
+# a destructor of a thread-local value keeps the library mapped until this thread ends, so that it is not asserted here
 _ctypes.dlclose(library.dll._handle)
-assert library.path not in open("/proc/self/maps").read(), "the library is still mapped"
 print(*sizes)
 """
 
