@@ -233,7 +233,7 @@ fn solve_stage(
     entry[report::ITERATIONS] += solution.iterations as f64;
     entry[report::RESIDUAL] = entry[report::RESIDUAL].max(solution.residual);
 
-    for (force, y) in velocity.force.iter_mut().zip(ws.newton.imbalance()) {
+    for (force, y) in velocity.force.iter_mut().zip(&ws.newton.accepted().y) {
         *force = -y;
     }
     let components = model.contact().components;

@@ -74,7 +74,7 @@ pub fn solve<L: FrictionLaw>(
             break;
         }
         let (mut change, mut size) = (0.0, 0.0);
-        for (i, (force, y)) in own.force.iter_mut().zip(ws.imbalance()).enumerate() {
+        for (i, (force, y)) in own.force.iter_mut().zip(&ws.accepted().y).enumerate() {
             // stress = force / weight, its L2 norm weighs the square by the weight
             let weight = problem.weights[i / c];
             change += (-y - *force).powi(2) / weight;
@@ -86,7 +86,7 @@ pub fn solve<L: FrictionLaw>(
             && (settings.stop == FixedPointStop::Displacement
                 || change.sqrt() <= settings.tolerance * size.sqrt());
     }
-    let (residual, node) = problem.residual(w, ws.imbalance());
+    let (residual, node) = ws.residual_of(problem, w);
     Solution {
         iterations,
         residual,

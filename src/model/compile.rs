@@ -152,7 +152,7 @@ fn keep(scene: &Scene, body: &Body, cholesky: &SparseCholesky) -> Result<Kept> {
 /// Compares the multiplications of a step: two passes over the port matrix, or over the factor and once over B.
 fn is_reduction_cheaper(reduction: &Reduction, body: &Body, cholesky: &SparseCholesky) -> bool {
     let reduced = &reduction.reduced;
-    let ports = reduced.contact.nrows() + reduced.outputs.ncols();
+    let ports = reduced.contact.ncols() + reduced.outputs.ncols();
     2 * ports * reduced.rates.len() < 2 * (cholesky.len() + body.operators.row_idx.len())
 }
 
