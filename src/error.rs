@@ -64,25 +64,88 @@ pub enum Error {
     Fingerprint { expected: u64, found: u64 },
     /// An explicit scheme is beyond its stability limit.
     Unstable { step: f64, limit: f64 },
+    /// A pointer is NULL that must not be.
+    Null { what: &'static str },
+    /// The library panicked in this call or in an earlier one with the same simulator, which can only be freed now.
+    Poisoned { what: String },
 }
 
 /// Stable numeric codes of [`Error`], for C and the FMU.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(i32)]
 pub enum ErrorCode {
+    /// The scene text is refused; the message names the JSON path.
     Scene = -1,
+    /// The scene gives no usable body.
     Body = -2,
+    /// The reduction does not reach `fidelity.tolerance`.
     ReductionInaccurate = -3,
+    /// The friction solver did not reach its tolerance.
     NotConverged = -4,
+    /// A matrix that must be positive definite is not.
     NotPositiveDefinite = -5,
+    /// The step is not positive, or the time does not continue the simulation.
     Step = -6,
+    /// An array has the wrong length.
     Length = -7,
+    /// A number is not finite or out of its range.
     Value = -8,
+    /// A name, reference or index is unknown.
     Unknown = -9,
+    /// The call is not allowed now.
     CallOrder = -10,
+    /// Bytes that are no saved state or model of this version, or are damaged.
     Bytes = -11,
+    /// The state belongs to another model.
     Fingerprint = -12,
+    /// An explicit scheme is beyond its stability limit.
     Unstable = -13,
+    /// A pointer is NULL that must not be.
+    Null = -14,
+    /// The library panicked; the simulator of the call can only be freed.
+    Poisoned = -15,
+}
+
+impl ErrorCode {
+    /// All codes.
+    pub const ALL: [ErrorCode; 15] = [
+        ErrorCode::Scene,
+        ErrorCode::Body,
+        ErrorCode::ReductionInaccurate,
+        ErrorCode::NotConverged,
+        ErrorCode::NotPositiveDefinite,
+        ErrorCode::Step,
+        ErrorCode::Length,
+        ErrorCode::Value,
+        ErrorCode::Unknown,
+        ErrorCode::CallOrder,
+        ErrorCode::Bytes,
+        ErrorCode::Fingerprint,
+        ErrorCode::Unstable,
+        ErrorCode::Null,
+        ErrorCode::Poisoned,
+    ];
+
+    /// Name of the C constant, without its prefix.
+    pub fn name(self) -> &'static std::ffi::CStr {
+        match self {
+            ErrorCode::Scene => c"SCENE",
+            ErrorCode::Body => c"BODY",
+            ErrorCode::ReductionInaccurate => c"REDUCTION_INACCURATE",
+            ErrorCode::NotConverged => c"NOT_CONVERGED",
+            ErrorCode::NotPositiveDefinite => c"NOT_POSITIVE_DEFINITE",
+            ErrorCode::Step => c"STEP",
+            ErrorCode::Length => c"LENGTH",
+            ErrorCode::Value => c"VALUE",
+            ErrorCode::Unknown => c"UNKNOWN",
+            ErrorCode::CallOrder => c"CALL_ORDER",
+            ErrorCode::Bytes => c"BYTES",
+            ErrorCode::Fingerprint => c"FINGERPRINT",
+            ErrorCode::Unstable => c"UNSTABLE",
+            ErrorCode::Null => c"NULL",
+            ErrorCode::Poisoned => c"POISONED",
+        }
+    }
 }
 
 impl Error {
@@ -102,6 +165,8 @@ impl Error {
             Error::Bytes { .. } => ErrorCode::Bytes,
             Error::Fingerprint { .. } => ErrorCode::Fingerprint,
             Error::Unstable { .. } => ErrorCode::Unstable,
+            Error::Null { .. } => ErrorCode::Null,
+            Error::Poisoned { .. } => ErrorCode::Poisoned,
         }
     }
 }
@@ -172,6 +237,8 @@ impl fmt::Display for Error {
                 f,
                 "time.step = {step} is beyond the stability limit {limit:.6} of the explicit scheme \"rectangle\""
             ),
+            Error::Null { what } => write!(f, "{what}: expected a pointer, found NULL"),
+            Error::Poisoned { what } => write!(f, "the simulator is unusable, free it: {what}"),
         }
     }
 }

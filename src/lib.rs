@@ -1,5 +1,8 @@
 //! stickslip: an embeddable co-simulation component for frictional contact of a viscoelastic body.
 
+mod bytes;
+#[cfg(feature = "capi")]
+pub mod capi;
 pub mod error;
 pub mod fem;
 pub mod friction;
@@ -9,6 +12,8 @@ pub mod model;
 pub mod ports;
 pub mod qvi;
 pub mod scene;
+mod readout;
+mod sensitivity;
 mod simulator;
 mod state;
 mod step;

@@ -104,6 +104,18 @@ impl Ports {
         &self.list
     }
 
+    /// The outputs, in the order of their references.
+    pub fn outputs(&self) -> impl Iterator<Item = &Port> {
+        self.list
+            .iter()
+            .filter(|p| p.causality == Causality::Output)
+    }
+
+    /// Number of values of all outputs together.
+    pub fn output_len(&self) -> usize {
+        self.outputs().map(Port::len).sum()
+    }
+
     /// The port of that name.
     ///
     /// # Errors

@@ -2,9 +2,10 @@
 
 use crate::error::{Error, Result};
 use crate::model::Model;
-use crate::ports::{Causality, Port, Quantity};
-use crate::state::{State, energy, history_row, report};
-use crate::step;
+use crate::ports::Quantity;
+use crate::readout;
+use crate::state::{State, history_row, report};
+use crate::step::{self, Companion};
 use crate::workspace::Workspace;
 use std::sync::Arc;
 
@@ -15,8 +16,26 @@ const SAME_INSTANT: f64 = 1e-6;
 pub struct Simulator {
     model: Arc<Model>,
     state: State,
+    /// The state before the last step, for derivatives of it.
+    previous: State,
+    /// Size of the last step; `None` when the state is not the end of a step of this simulator.
+    last_step: Option<f64>,
     trial: State,
     workspace: Workspace,
+}
+
+impl Clone for Simulator {
+    /// The same simulation in the same state, independent from here on; the model is shared.
+    fn clone(&self) -> Simulator {
+        Simulator {
+            model: Arc::clone(&self.model),
+            state: self.state.clone(),
+            previous: self.previous.clone(),
+            last_step: self.last_step,
+            trial: self.trial.clone(),
+            workspace: Workspace::new(&self.model),
+        }
+    }
 }
 
 /// One row of the recorded past of a contact node.
@@ -37,6 +56,8 @@ impl Simulator {
     pub fn new(model: Arc<Model>) -> Simulator {
         let state = State::new(&model);
         Simulator {
+            previous: state.clone(),
+            last_step: None,
             trial: state.clone(),
             workspace: Workspace::new(&model),
             state,
@@ -92,6 +113,7 @@ impl Simulator {
     /// Back to the state before initialization, with the inputs and coefficients of the scene.
     pub fn reset(&mut self) {
         self.state = State::new(&self.model);
+        self.last_step = None;
     }
 
     /// Sets all inputs: the load intensities at the end of the next step (before [`Simulator::init`]: at the start).
@@ -181,10 +203,13 @@ impl Simulator {
             });
         }
         self.attempt(|model, state, ws| {
-            step::advance(model, state, ws, step)?;
+            step::advance(model, state, ws, step, &mut step::Alone)?;
             state.time = time + step;
             Ok(())
-        })
+        })?;
+        std::mem::swap(&mut self.previous, &mut self.trial);
+        self.last_step = Some(step);
+        Ok(())
     }
 
     /// Runs `change` on a copy of the state, which becomes the state only when it succeeds.
@@ -192,7 +217,7 @@ impl Simulator {
         &mut self,
         change: impl FnOnce(&Model, &mut State, &mut Workspace) -> Result<()>,
     ) -> Result<()> {
-        self.trial.copy_from(&self.state);
+        self.trial.copy_from(&self.state)?;
         change(&self.model, &mut self.trial, &mut self.workspace)?;
         std::mem::swap(&mut self.state, &mut self.trial);
         Ok(())
@@ -211,7 +236,7 @@ impl Simulator {
                 found: out.len(),
             });
         }
-        self.read(port, out);
+        readout::read(&self.model, &self.state, port, out);
         Ok(())
     }
 
@@ -222,13 +247,13 @@ impl Simulator {
     pub fn get_by_name(&self, name: &str) -> Result<Vec<f64>> {
         let port = self.model.ports().find(name)?;
         let mut out = vec![0.0; port.len()];
-        self.read(port, &mut out);
+        readout::read(&self.model, &self.state, port, &mut out);
         Ok(out)
     }
 
     /// Number of values of all outputs together.
     pub fn output_len(&self) -> usize {
-        self.outputs().map(Port::len).sum()
+        self.model.ports().output_len()
     }
 
     /// All outputs one after the other, in the order of their references.
@@ -244,92 +269,12 @@ impl Simulator {
             });
         }
         let mut rest = out;
-        for port in self.outputs() {
+        for port in self.model.ports().outputs() {
             let (head, tail) = rest.split_at_mut(port.len());
-            self.read(port, head);
+            readout::read(&self.model, &self.state, port, head);
             rest = tail;
         }
         Ok(())
-    }
-
-    fn outputs(&self) -> impl Iterator<Item = &Port> {
-        let all = self.model.ports().all();
-        all.iter().filter(|p| p.causality == Causality::Output)
-    }
-
-    fn read(&self, port: &Port, out: &mut [f64]) {
-        let (state, model) = (&self.state, &self.model);
-        let contact = model.contact();
-        let c = contact.components;
-        let is_stuck = |node: usize| {
-            state.slip_rate[node * c..(node + 1) * c]
-                .iter()
-                .all(|w| *w == 0.0)
-        };
-        let loads = model.input_count();
-        let dimension = model.summary().dimension;
-        let probe = |i: usize| loads + i * dimension..loads + (i + 1) * dimension;
-        let value = match port.quantity {
-            Quantity::TangentialStress => {
-                for (i, out) in out.iter_mut().enumerate() {
-                    *out = contact.stress(i, state.force[i]);
-                }
-                return;
-            }
-            Quantity::ContactForce => {
-                for (p, out) in out.iter_mut().enumerate() {
-                    *out = -state.force.iter().skip(p).step_by(c).sum::<f64>();
-                }
-                return;
-            }
-            Quantity::Stick => {
-                for (node, out) in out.iter_mut().enumerate() {
-                    *out = f64::from(u8::from(is_stuck(node)));
-                }
-                return;
-            }
-            Quantity::SlipRate => return out.copy_from_slice(&state.slip_rate),
-            Quantity::Slip => return out.copy_from_slice(&state.slip),
-            Quantity::AccumulatedSlip => return out.copy_from_slice(&state.accumulated_slip),
-            Quantity::ProbeDisplacement(i) => {
-                return out.copy_from_slice(&state.output_displacement[probe(i)]);
-            }
-            Quantity::ProbeVelocity(i) => {
-                return out.copy_from_slice(&state.output_velocity[probe(i)]);
-            }
-            Quantity::LoadDisplacement(i) => state.output_displacement[i] / model.load_measure(i),
-            Quantity::LoadVelocity(i) => state.output_velocity[i] / model.load_measure(i),
-            Quantity::Load(i) => state.inputs[i],
-            Quantity::Coefficient(i) => state.coefficients[i],
-            Quantity::MaxSlipRate => state
-                .slip_rate
-                .chunks_exact(c)
-                .map(crate::friction::problem::norm)
-                .fold(0.0, f64::max),
-            Quantity::StickFraction => {
-                let total: f64 = contact.weights.iter().sum();
-                let stuck: f64 = (0..contact.node_count())
-                    .filter(|&node| is_stuck(node))
-                    .map(|node| contact.weights[node])
-                    .sum();
-                stuck / total
-            }
-            Quantity::ExternalWork => state.energy[energy::EXTERNAL_WORK],
-            Quantity::ElasticEnergy => state.energy[energy::ELASTIC],
-            Quantity::ViscousDissipation => state.energy[energy::VISCOUS],
-            Quantity::FrictionDissipation => state.energy[energy::FRICTION],
-            Quantity::BalanceError => {
-                state.energy[energy::EXTERNAL_WORK]
-                    - state.energy[energy::ELASTIC]
-                    - state.energy[energy::VISCOUS]
-                    - state.energy[energy::FRICTION]
-            }
-            Quantity::Iterations => state.report[report::ITERATIONS],
-            Quantity::Residual => state.report[report::RESIDUAL],
-            Quantity::Solutions => state.report[report::SOLUTIONS],
-            Quantity::SolutionGap => state.report[report::SOLUTION_GAP],
-        };
-        out[0] = value;
     }
 
     /// The recorded past of a contact node, oldest first: at most `history.capacity` internal steps.
@@ -364,48 +309,66 @@ impl Simulator {
         )
     }
 
+    /// A state of this model to save into; holds the state before initialization.
+    pub fn new_state(&self) -> State {
+        State::new(&self.model)
+    }
+
     /// Copies the state into `to`, a state of the same model; allocates nothing.
     ///
     /// # Errors
-    /// [`Error::Fingerprint`] when the shapes differ.
+    /// [`Error::Fingerprint`] for the state of another model.
     pub fn save(&self, to: &mut State) -> Result<()> {
-        if to.copy_from(&self.state) {
-            Ok(())
-        } else {
-            Err(self.foreign_state())
-        }
+        to.copy_from(&self.state)
     }
 
-    /// Makes a saved state the current one; allocates nothing.
+    /// Makes a saved state the current one; allocates nothing. There is no step to take derivatives of afterwards.
     ///
     /// # Errors
-    /// [`Error::Fingerprint`] when the shapes differ.
+    /// [`Error::Fingerprint`] for the state of another model.
     pub fn restore(&mut self, from: &State) -> Result<()> {
-        if self.state.copy_from(from) {
-            Ok(())
-        } else {
-            Err(self.foreign_state())
-        }
-    }
-
-    fn foreign_state(&self) -> Error {
-        Error::Fingerprint {
-            expected: self.model.fingerprint(),
-            found: 0,
-        }
+        self.state.copy_from(from)?;
+        self.last_step = None;
+        Ok(())
     }
 
     /// The state as versioned, checksummed bytes.
     pub fn to_bytes(&self) -> Vec<u8> {
-        self.state.to_bytes(self.model.fingerprint())
+        self.state.to_bytes()
     }
 
-    /// Continues from the bytes of a state of the same scene; on failure the state stays.
+    /// Continues from the bytes of a state of the same model; on failure the state stays. There is no step to take
+    /// derivatives of afterwards.
     ///
     /// # Errors
     /// [`Error::Bytes`], [`Error::Fingerprint`].
     pub fn restore_bytes(&mut self, bytes: &[u8]) -> Result<()> {
-        self.state.read_bytes(self.model.fingerprint(), bytes)
+        self.state.read_bytes(bytes)?;
+        self.last_step = None;
+        Ok(())
+    }
+
+    /// Takes the last step once more, on the side and with a companion.
+    ///
+    /// # Errors
+    /// [`Error::CallOrder`] when the state is not the end of a step.
+    pub(crate) fn repeat_last_step(&mut self, companion: &mut impl Companion) -> Result<()> {
+        let Some(step) = self.last_step else {
+            return Err(Error::CallOrder {
+                call: "the derivative of a step",
+                expected: "do_step first (init, restore and reset leave no step behind)",
+            });
+        };
+        self.trial.copy_from(&self.previous)?;
+        let (trial, workspace) = (&mut self.trial, &mut self.workspace);
+        step::advance(&self.model, trial, workspace, step, companion)
+    }
+
+    /// Most solutions of one internal step of the last communication step that the multiplicity test found (0 when it is
+    /// off), and the largest difference between them, m/s.
+    pub fn solutions(&self) -> (f64, f64) {
+        let report = &self.state.report;
+        (report[report::SOLUTIONS], report[report::SOLUTION_GAP])
     }
 
     /// Stage factorizations made so far: one per step size that was not among the last few.

@@ -1,19 +1,23 @@
 //! The state: all that future steps depend on, and nothing else. Small, flat, compared and restored bit for bit.
 //!
-//! Bytes of a saved state (little endian): magic `SLIPSTAT`, format version, model fingerprint, number of values, the
-//! counters, the values, and a checksum (XXH3, 64 bits) over everything before it.
+//! Bytes of a saved state: a frame (see `bytes`) of the counters and then the values.
 
+use crate::bytes::{Frame, HEADER, OVERHEAD, Reader};
 use crate::error::{Error, Result};
 use crate::friction::law::MAX_COEFFICIENTS;
 use crate::model::Model;
-use xxhash_rust::xxh3::xxh3_64;
 
-const MAGIC: &[u8; 8] = b"SLIPSTAT";
-const FORMAT: u64 = 1;
+const FRAME: Frame = Frame {
+    magic: *b"SLIPSTAT",
+    format: 1,
+    what: "saved state",
+};
 
 /// Where a simulation stands. Vectors over the contact go node by node, components inner.
 #[derive(Debug, Clone, PartialEq)]
 pub struct State {
+    /// Fingerprint of the model it belongs to.
+    fingerprint: u64,
     /// Time, s.
     pub(crate) time: f64,
     /// Internal steps taken.
@@ -83,6 +87,7 @@ impl State {
         let outputs = model.output_count();
         let start = model.start_loads();
         State {
+            fingerprint: model.fingerprint(),
             time: 0.0,
             steps: 0,
             recorded: 0,
@@ -103,6 +108,13 @@ impl State {
             report: vec![0.0; report::COUNT],
             history: vec![0.0; model.history_capacity() * history_row(contact)],
         }
+    }
+
+    /// Zeros: the tangent of a state that depends on nothing yet.
+    pub(crate) fn zero(model: &Model) -> State {
+        let mut state = State::new(model);
+        state.blocks_mut().into_iter().for_each(|b| b.fill(0.0));
+        state
     }
 
     fn blocks(&self) -> [&Vec<f64>; BLOCKS] {
@@ -163,20 +175,28 @@ impl State {
         ] = [counters[1], counters[2], counters[3], counters[4]];
     }
 
-    /// Copies another state of the same model, without allocating. False (and nothing copied) when the shapes differ.
-    pub(crate) fn copy_from(&mut self, other: &State) -> bool {
-        let same = self
-            .blocks()
-            .iter()
-            .zip(other.blocks())
-            .all(|(a, b)| a.len() == b.len());
-        if same {
-            for (to, from) in self.blocks_mut().into_iter().zip(other.blocks()) {
-                to.copy_from_slice(from);
-            }
-            self.set_counters(other.counters());
+    /// Copies another state of the same model, without allocating.
+    ///
+    /// # Errors
+    /// [`Error::Fingerprint`] (and nothing copied) when it is the state of another model.
+    pub(crate) fn copy_from(&mut self, other: &State) -> Result<()> {
+        self.check_fingerprint(other.fingerprint)?;
+        for (to, from) in self.blocks_mut().into_iter().zip(other.blocks()) {
+            to.copy_from_slice(from);
         }
-        same
+        self.set_counters(other.counters());
+        Ok(())
+    }
+
+    fn check_fingerprint(&self, found: u64) -> Result<()> {
+        if found == self.fingerprint {
+            Ok(())
+        } else {
+            Err(Error::Fingerprint {
+                expected: self.fingerprint,
+                found,
+            })
+        }
     }
 
     /// Time, s.
@@ -215,29 +235,24 @@ impl State {
 
     /// Length of [`State::to_bytes`].
     pub fn byte_len(&self) -> usize {
-        8 * (1 + 3 + COUNTERS + self.len() + 1)
+        OVERHEAD + 8 * (COUNTERS + self.len())
     }
 
     /// Versioned, checksummed bytes; they fit every simulator of a model with the same fingerprint.
-    pub fn to_bytes(&self, fingerprint: u64) -> Vec<u8> {
+    pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = vec![0; self.byte_len()];
-        self.write_bytes(fingerprint, &mut bytes);
+        self.write_bytes(&mut bytes);
         bytes
     }
 
     /// Writes the bytes of [`State::to_bytes`] without allocating; `out` has [`State::byte_len`] bytes.
-    fn write_bytes(&self, fingerprint: u64, out: &mut [u8]) {
-        let (body, checksum) = out.split_at_mut(self.byte_len() - 8);
-        body[..8].copy_from_slice(MAGIC);
-        let header = [FORMAT, fingerprint, self.len() as u64];
-        let numbers = header
-            .into_iter()
-            .chain(self.counters())
-            .chain(self.blocks().into_iter().flatten().map(|v| v.to_bits()));
-        for (word, number) in body[8..].chunks_exact_mut(8).zip(numbers) {
-            word.copy_from_slice(&number.to_le_bytes());
+    pub(crate) fn write_bytes(&self, out: &mut [u8]) {
+        let values = self.blocks().into_iter().flatten().map(|v| v.to_bits());
+        let words = self.counters().into_iter().chain(values);
+        for (to, word) in out[HEADER..].chunks_exact_mut(8).zip(words) {
+            to.copy_from_slice(&word.to_le_bytes());
         }
-        checksum.copy_from_slice(&xxh3_64(body).to_le_bytes());
+        FRAME.seal(self.fingerprint, out);
     }
 
     /// Reads bytes into this state; on failure it stays as it was.
@@ -245,46 +260,27 @@ impl State {
     /// # Errors
     /// [`Error::Bytes`] for bytes that are not a state of this format, truncated or damaged; [`Error::Fingerprint`] for
     /// the state of another model.
-    pub(crate) fn read_bytes(&mut self, fingerprint: u64, bytes: &[u8]) -> Result<()> {
-        let refuse = |what: String| Err(Error::Bytes { what });
-        if bytes.len() < 8 * 5 || &bytes[..8] != MAGIC {
-            return refuse("this is not a saved state".into());
-        }
-        let word = |at: usize| {
-            let mut word = [0; 8];
-            word.copy_from_slice(&bytes[8 * at..8 * at + 8]);
-            u64::from_le_bytes(word)
-        };
-        if word(1) != FORMAT {
-            return refuse(format!(
-                "state format {} (this library reads {FORMAT})",
-                word(1)
-            ));
-        }
-        if word(2) != fingerprint {
-            return Err(Error::Fingerprint {
-                expected: fingerprint,
-                found: word(2),
-            });
-        }
-        if bytes.len() != self.byte_len() || word(3) != self.len() as u64 {
-            return refuse(format!(
-                "expected {} bytes, found {}",
+    pub(crate) fn read_bytes(&mut self, bytes: &[u8]) -> Result<()> {
+        let (fingerprint, payload) = FRAME.open(bytes)?;
+        self.check_fingerprint(fingerprint)?;
+        if bytes.len() != self.byte_len() {
+            return Err(Reader::refusal(format!(
+                "saved state: expected {} bytes, found {}",
                 self.byte_len(),
                 bytes.len()
-            ));
+            )));
         }
-        let body = bytes.len() - 8;
-        if xxh3_64(&bytes[..body]) != word(body / 8) {
-            return refuse("the checksum of the state does not match: it is damaged".into());
+        let mut reader = Reader::new(payload);
+        let mut counters = [0; COUNTERS];
+        for counter in &mut counters {
+            *counter = reader.word()?;
         }
-        self.set_counters(std::array::from_fn(|i| word(4 + i)));
-        let mut at = 4 + COUNTERS;
-        for block in self.blocks_mut() {
-            for value in block.iter_mut() {
-                *value = f64::from_bits(word(at));
-                at += 1;
-            }
+        if !f64::from_bits(counters[0]).is_finite() {
+            return Err(Reader::refusal("saved state: its time is not finite"));
+        }
+        self.set_counters(counters);
+        for value in self.blocks_mut().into_iter().flatten() {
+            *value = reader.float()?;
         }
         Ok(())
     }

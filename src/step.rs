@@ -15,24 +15,80 @@
 use crate::error::{Error, Result};
 use crate::friction::{ContactProblem, Law, fixed_point, multiplicity, newton, problem::norm};
 use crate::model::{Model, SolverSettings};
-use crate::qvi::Stage;
+use crate::qvi::{Stage, Tableau};
 use crate::scene::{Interpolation, Start};
 use crate::state::{State, energy, report};
-use crate::workspace::Workspace;
+use crate::workspace::{Explicit, Velocity, Workspace};
+
+/// What goes along with a step and may look at it, but not change it: nothing, or its tangents.
+pub(crate) trait Companion {
+    /// The communication step begins; jumps at its beginning have been made.
+    fn start(&mut self, model: &Model, state: &State, ws: &mut Workspace) -> Result<()>;
+    /// An internal step begins, at this fraction of the communication step.
+    fn begin(&mut self, fraction: f64);
+    /// A stage has been solved; its place and its fraction of the communication step.
+    fn stage(
+        &mut self,
+        model: &Model,
+        state: &State,
+        ws: &mut Workspace,
+        k: f64,
+        place: StagePlace,
+    ) -> Result<()>;
+    /// The internal step of size `k` is complete.
+    fn end(&mut self, model: &Model, state: &State, ws: &Workspace, k: f64);
+}
+
+/// Which stage of an internal step.
+pub(crate) struct StagePlace<'a> {
+    pub stage: &'a Stage,
+    /// Place in `Workspace::velocities`.
+    pub index: usize,
+    /// Fraction of the communication step.
+    pub fraction: f64,
+}
+
+/// A step without a companion.
+pub(crate) struct Alone;
+
+impl Companion for Alone {
+    fn start(&mut self, _: &Model, _: &State, _: &mut Workspace) -> Result<()> {
+        Ok(())
+    }
+    fn begin(&mut self, _: f64) {}
+    fn stage(
+        &mut self,
+        _: &Model,
+        _: &State,
+        _: &mut Workspace,
+        _: f64,
+        _: StagePlace,
+    ) -> Result<()> {
+        Ok(())
+    }
+    fn end(&mut self, _: &Model, _: &State, _: &Workspace, _: f64) {}
+}
 
 /// Advances `state` by one communication step of `h`, cut into equal internal steps; its inputs are the loads at the end.
 ///
 /// # Errors
 /// [`Error::NotConverged`]; `state` is then spoilt.
-pub(crate) fn advance(model: &Model, state: &mut State, ws: &mut Workspace, h: f64) -> Result<()> {
+pub(crate) fn advance(
+    model: &Model,
+    state: &mut State,
+    ws: &mut Workspace,
+    h: f64,
+    companion: &mut impl Companion,
+) -> Result<()> {
     state.report.fill(0.0);
     apply_jumps(model, state, ws)?;
+    companion.start(model, state, ws)?;
     let (start, count) = (state.time, substeps(h, model.largest_step()));
     let k = without_jitter(h / count as f64);
     ws.loads_at_start.copy_from_slice(&state.loads);
     for i in 0..count {
         let at = |instant: f64| (i as f64 + instant) / count as f64;
-        internal_step(model, state, ws, k, at)?;
+        internal_step(model, state, ws, k, at, companion)?;
         state.time = start + h * at(1.0);
         record(model, state);
     }
@@ -96,38 +152,49 @@ fn internal_step(
     ws: &mut Workspace,
     k: f64,
     at: impl Fn(f64) -> f64,
+    companion: &mut impl Companion,
 ) -> Result<()> {
     let tableau = model.tableau();
     ws.velocities[0].load_from(state);
-    interpolate_loads(state, ws, at(0.0));
+    interpolate_loads(&ws.loads_at_start, &state.inputs, at(0.0), &mut ws.load);
     ws.velocities[0].load.copy_from_slice(&ws.load);
+    companion.begin(at(0.0));
     for (i, stage) in tableau.stages().iter().enumerate() {
-        explicit_part(state, ws, k, stage, i + 1);
-        interpolate_loads(state, ws, at(stage.instant));
-        ws.velocities[i + 1].copy_warm_start(state);
-        solve_stage(model, state, ws, stage.theta * k, i + 1)?;
-        ws.velocities[i + 1].store_contact(state);
+        let (index, fraction) = (i + 1, at(stage.instant));
+        explicit_part(state, &ws.velocities[..index], stage, k, &mut ws.explicit);
+        interpolate_loads(&ws.loads_at_start, &state.inputs, fraction, &mut ws.load);
+        ws.velocities[index].copy_warm_start(state);
+        solve_stage(model, state, ws, stage.theta * k, index)?;
+        ws.velocities[index].store_contact(state);
+        let place = StagePlace {
+            stage,
+            index,
+            fraction,
+        };
+        companion.stage(model, state, ws, k, place)?;
     }
     let last = tableau.stages().len();
     ws.velocities[last].store_into(state);
-    integrate(model, state, ws, k);
+    integrate(tableau, state, &ws.velocities[..=last], k);
     add_energies(model, state, ws, k);
+    companion.end(model, state, ws, k);
     state.steps += 1;
     Ok(())
 }
 
 /// `p = u_n + k sum_j a_j w_j`, for the displacement of the body and the accumulated slip.
-fn explicit_part(state: &State, ws: &mut Workspace, k: f64, stage: &Stage, known: usize) {
-    let Workspace {
-        explicit,
-        velocities,
-        ..
-    } = ws;
+pub(crate) fn explicit_part(
+    state: &State,
+    known: &[Velocity],
+    stage: &Stage,
+    k: f64,
+    explicit: &mut Explicit,
+) {
     explicit.displacement.copy_from_slice(&state.displacement);
     explicit
         .accumulated_slip
         .copy_from_slice(&state.accumulated_slip);
-    for (a, velocity) in stage.explicit.iter().zip(&velocities[..known]) {
+    for (a, velocity) in stage.explicit.iter().zip(known) {
         if *a != 0.0 {
             add_scaled(&mut explicit.displacement, a * k, &velocity.body);
             add_scaled(&mut explicit.accumulated_slip, a * k, &velocity.magnitude);
@@ -135,11 +202,11 @@ fn explicit_part(state: &State, ws: &mut Workspace, k: f64, stage: &Stage, known
     }
 }
 
-fn interpolate_loads(state: &State, ws: &mut Workspace, fraction: f64) {
-    for (i, load) in ws.load.iter_mut().enumerate() {
-        let (from, to) = (ws.loads_at_start[i], state.inputs[i]);
+/// Loads at a fraction of the communication step.
+pub(crate) fn interpolate_loads(start: &[f64], end: &[f64], fraction: f64, loads: &mut [f64]) {
+    for (load, (from, to)) in loads.iter_mut().zip(start.iter().zip(end)) {
         *load = if fraction == 1.0 {
-            to
+            *to
         } else {
             from + (to - from) * fraction
         };
@@ -271,9 +338,8 @@ fn test_multiplicity(
 }
 
 /// `u_{n+1} = u_n + k sum_j b_j w_j` for everything that is integrated.
-fn integrate(model: &Model, state: &mut State, ws: &Workspace, k: f64) {
-    let tableau = model.tableau();
-    for (j, velocity) in ws.velocities[..=tableau.stages().len()].iter().enumerate() {
+pub(crate) fn integrate(tableau: &Tableau, state: &mut State, velocities: &[Velocity], k: f64) {
+    for (j, velocity) in velocities.iter().enumerate() {
         let weight = tableau.weight(j) * k;
         if weight != 0.0 {
             add_scaled(&mut state.displacement, weight, &velocity.body);
@@ -290,10 +356,7 @@ fn add_energies(model: &Model, state: &mut State, ws: &mut Workspace, k: f64) {
     let Workspace {
         velocities, mean, ..
     } = ws;
-    mean.clear();
-    for (j, velocity) in velocities[..=tableau.stages().len()].iter().enumerate() {
-        mean.add(tableau.weight(j), velocity);
-    }
+    mean.set_mean(tableau, velocities);
     let (viscous, _) = model.body().products(&mean.body);
     let (_, elastic) = model.body().products(&state.displacement);
     state.energy[energy::EXTERNAL_WORK] += k * dot(&mean.load, &mean.outputs);
@@ -327,6 +390,6 @@ fn add_scaled(to: &mut [f64], factor: f64, from: &[f64]) {
 }
 
 /// Over the shorter of the two: the outputs begin with the loads.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

@@ -4,7 +4,7 @@ use crate::friction::fixed_point::FixedPointWorkspace;
 use crate::friction::multiplicity::MultiplicityWorkspace;
 use crate::friction::newton;
 use crate::model::{Model, Scratch, StageCache};
-use crate::qvi::MAX_STAGES;
+use crate::qvi::{MAX_STAGES, Tableau};
 use crate::state::State;
 
 /// Velocity, forces and loads at one instant of a step.
@@ -20,7 +20,7 @@ pub(crate) struct Velocity {
 }
 
 impl Velocity {
-    fn new(model: &Model) -> Velocity {
+    pub fn new(model: &Model) -> Velocity {
         let contact = model.contact();
         Velocity {
             body: vec![0.0; model.states()],
@@ -71,8 +71,17 @@ impl Velocity {
         }
     }
 
+    /// The mean over a step (weights b_j) of the velocities at its start and its stages.
+    pub fn set_mean(&mut self, tableau: &Tableau, velocities: &[Velocity]) {
+        self.clear();
+        let count = tableau.stages().len() + 1;
+        for (j, velocity) in velocities[..count].iter().enumerate() {
+            self.add(tableau.weight(j), velocity);
+        }
+    }
+
     /// Adds `weight` times another.
-    pub fn add(&mut self, weight: f64, other: &Velocity) {
+    fn add(&mut self, weight: f64, other: &Velocity) {
         let others = [
             &other.body,
             &other.contact,
@@ -100,6 +109,15 @@ impl Velocity {
 pub(crate) struct Explicit {
     pub displacement: Vec<f64>,
     pub accumulated_slip: Vec<f64>,
+}
+
+impl Explicit {
+    pub fn new(model: &Model) -> Explicit {
+        Explicit {
+            displacement: vec![0.0; model.states()],
+            accumulated_slip: vec![0.0; model.contact().node_count()],
+        }
+    }
 }
 
 pub(crate) struct Workspace {
@@ -134,10 +152,7 @@ impl Workspace {
             multiplicity: MultiplicityWorkspace::new(nodes, len),
             velocities: std::array::from_fn(|_| Velocity::new(model)),
             mean: Velocity::new(model),
-            explicit: Explicit {
-                displacement: vec![0.0; model.states()],
-                accumulated_slip: vec![0.0; nodes],
-            },
+            explicit: Explicit::new(model),
             loads_at_start: loads.clone(),
             load: loads,
             condensed_load: vec![0.0; len],

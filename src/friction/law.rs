@@ -30,6 +30,10 @@ pub trait FrictionLaw {
     fn bound(&self, node: usize, rate: f64, slip: SlipPath) -> f64;
     /// Total derivative of the bound by the slip rate, along `slip`, Pa s/m.
     fn slope(&self, node: usize, rate: f64, slip: SlipPath) -> f64;
+    /// Partial derivative of the bound by the accumulated slip `slip.base` at fixed slip rate, Pa/m; 0 for a law without memory.
+    fn slip_slope(&self, _node: usize, _rate: f64, _slip: SlipPath) -> f64 {
+        0.0
+    }
     /// Integral of the bound over the slip rate from 0 to `rate`, W/m^2.
     fn potential(&self, node: usize, rate: f64, slip: SlipPath) -> f64;
 

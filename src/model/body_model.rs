@@ -9,6 +9,7 @@
 //!
 //! The meaning of a state vector (nodal or modal) is the model's own.
 
+use crate::bytes::Writer;
 use crate::error::Result;
 use crate::linalg::DenseCholesky;
 use dyn_stack::MemBuffer;
@@ -73,6 +74,8 @@ pub trait BodyModel: Send + Sync {
     fn outputs(&self, x: &[f64], out: &mut [f64]);
     /// Bytes held by the model.
     fn bytes(&self) -> usize;
+    /// Writes what the model's own `read` needs.
+    fn write(&self, out: &mut Writer);
 }
 
 impl Stage {

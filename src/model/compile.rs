@@ -5,21 +5,16 @@ use super::condensed::Condensed;
 use super::field::Field;
 use super::full::Full;
 use super::reduction::{Reduction, Synthesis, reduce};
-use super::{LoadInput, Model, SolverSettings, Summary};
+use super::parts::Parts;
+use super::Model;
 use crate::error::{Error, Result};
 use crate::fem::Body;
 use crate::friction::Law;
-use crate::friction::fixed_point::FixedPoint;
 use crate::linalg::SparseCholesky;
 use crate::mesh::Mesh;
-use crate::ports::{Ports, Shapes};
 use crate::qvi::{Tableau, certify, strain_weights};
-use crate::scene::{FrictionSolver, LoadKind, ModelKind, Run, Scene};
+use crate::scene::{ModelKind, Scene};
 use std::sync::Arc;
-use xxhash_rust::xxh3::xxh3_64;
-
-/// Distinguishes models whose states or steps are not interchangeable although their scenes are equal.
-const MODEL_FORMAT: &str = "stickslip model 1:";
 
 /// Compiles a scene.
 ///
@@ -63,32 +58,21 @@ impl Compilation {
         let theta_k = tableau.theta() * scene.time.step;
         let certificate = certify(&body, &cholesky, law.lipschitz(), theta_k)?;
 
-        let model = Model {
-            summary: summary(scene, &body, &kept),
-            body: kept.model,
+        let parts = Parts {
+            kind: kept.kind,
+            reduction: kept.reduction,
             contact: body.contact.clone(),
-            loads: body
-                .loads
-                .iter()
-                .map(|l| LoadInput {
-                    start: l.start,
-                    measure: l.measure,
-                })
-                .collect(),
-            interpolations: body.loads.iter().map(|l| l.interpolation).collect(),
-            probes: body.probes.len(),
-            ports: ports(scene, &body, law),
-            law,
-            tableau,
-            start: scene.time.start,
-            largest_step: scene.time.step,
-            solver: solver(scene),
-            has_multiplicity_test: scene.fidelity.multiplicity_test,
-            strain_weights: strain_weights(&body),
-            history_capacity: scene.history.capacity as usize,
+            measures: body.loads.iter().map(|l| l.measure).collect(),
             certificate,
-            fingerprint: fingerprint(scene),
+            strain_weights: strain_weights(&body),
+            dimension: body.mesh.dimension,
+            mesh_nodes: body.mesh.nodes.len(),
+            mesh_cells: body.mesh.cell_count(),
+            free_dofs: body.len(),
+            rates: body.element_rates,
+            body: kept.model,
         };
+        let model = Model::new(scene, parts)?;
         Ok(Compilation {
             model: Arc::new(model),
             body,
@@ -154,69 +138,4 @@ fn is_reduction_cheaper(reduction: &Reduction, body: &Body, cholesky: &SparseCho
     let reduced = &reduction.reduced;
     let ports = reduced.contact.ncols() + reduced.outputs.ncols();
     2 * ports * reduced.rates.len() < 2 * (cholesky.len() + body.operators.row_idx.len())
-}
-
-fn summary(scene: &Scene, body: &Body, kept: &Kept) -> Summary {
-    let mesh = &body.mesh;
-    let d = mesh.dimension;
-    Summary {
-        name: scene.name.clone(),
-        dimension: d,
-        mesh_nodes: mesh.nodes.len(),
-        mesh_cells: mesh.cell_count(),
-        dofs_with_multipliers: d * mesh.nodes.len() + d * body.contact.faces,
-        free_dofs: body.len(),
-        kind: kept.kind,
-        reduction: kept.reduction.clone(),
-        rates: body.element_rates,
-        bytes: kept.model.bytes(),
-    }
-}
-
-fn ports(scene: &Scene, body: &Body, law: Law) -> Ports {
-    let unit = |kind| match kind {
-        LoadKind::Traction => "Pa",
-        LoadKind::BodyForce => "N/m3",
-    };
-    let loads: Vec<_> = scene
-        .loads
-        .iter()
-        .map(|l| (l.name.clone(), unit(l.kind)))
-        .collect();
-    let probes: Vec<_> = scene.probes.iter().map(|p| p.name.clone()).collect();
-    Ports::new(&Shapes {
-        dimension: body.mesh.dimension,
-        nodes: body.contact.nodes.len(),
-        components: body.contact.components,
-        loads: &loads,
-        probes: &probes,
-        law,
-    })
-}
-
-fn solver(scene: &Scene) -> SolverSettings {
-    match scene.fidelity.solver {
-        FrictionSolver::Newton { max_iterations } => SolverSettings::Newton {
-            tolerance: scene.fidelity.friction_tolerance,
-            max_iterations: max_iterations as usize,
-        },
-        FrictionSolver::FixedPoint {
-            tolerance,
-            stop,
-            max_iterations,
-        } => SolverSettings::FixedPoint(FixedPoint {
-            tolerance,
-            stop,
-            max_iterations: max_iterations as usize,
-        }),
-    }
-}
-
-/// Of everything that shapes a step or a state: the scene without what only the command line reads.
-fn fingerprint(scene: &Scene) -> u64 {
-    let scene = Scene {
-        run: Run::default(),
-        ..scene.clone()
-    };
-    xxh3_64(format!("{MODEL_FORMAT}{}", scene.to_json()).as_bytes())
 }

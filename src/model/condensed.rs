@@ -5,6 +5,7 @@
 
 use super::body_model::{BodyModel, Scratch, Stage};
 use super::field::Field;
+use crate::bytes::Writer;
 use crate::error::Result;
 
 pub struct Condensed(pub Field);
@@ -68,5 +69,9 @@ impl BodyModel for Condensed {
 
     fn bytes(&self) -> usize {
         self.0.bytes()
+    }
+
+    fn write(&self, out: &mut Writer) {
+        self.0.write(out);
     }
 }

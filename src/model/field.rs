@@ -1,5 +1,6 @@
 //! What the full and the condensed model share: the sparse operators, their symbolic factor, loads and outputs.
 
+use crate::bytes::{Reader, Writer};
 use crate::error::Result;
 use crate::fem::{Body, OperatorPair};
 use crate::linalg::{DenseCholesky, SparseCholesky};
@@ -100,5 +101,77 @@ impl Field {
             .map(|v| 2 * v.len())
             .sum();
         word * (3 * self.operators.row_idx.len() + self.len() + vectors)
+    }
+
+    pub fn write(&self, out: &mut Writer) {
+        let operators = &self.operators;
+        out.indices(&operators.col_ptr);
+        out.indices(&operators.row_idx);
+        out.floats(&operators.a);
+        out.floats(&operators.b);
+        for vector in self.loads.iter().chain(&self.probes) {
+            out.word(vector.len() as u64);
+            for &(dof, value) in vector {
+                out.word(dof as u64);
+                out.float(value);
+            }
+        }
+    }
+
+    /// Reads what [`Field::write`] wrote, for the given numbers of free dofs, contact components, loads and outputs;
+    /// the elimination order is found anew.
+    ///
+    /// # Errors
+    /// [`crate::Error::Bytes`].
+    pub fn read(
+        from: &mut Reader,
+        n: usize,
+        contact_len: usize,
+        loads: usize,
+        outputs: usize,
+    ) -> Result<Field> {
+        let col_ptr = from.indices(usize::MAX)?;
+        let row_idx = from.indices(n)?;
+        let (a, b) = (from.floats()?, from.floats()?);
+        let entries = row_idx.len();
+        let is_lower_triangle = col_ptr.len() == n.saturating_add(1)
+            && col_ptr[0] == 0
+            && col_ptr[n] == entries
+            && col_ptr.windows(2).enumerate().all(|(column, ends)| {
+                // ascending rows that begin with the diagonal
+                row_idx.get(ends[0]..ends[1]).is_some_and(|rows| {
+                    rows.first() == Some(&column) && rows.windows(2).all(|r| r[0] < r[1])
+                })
+            });
+        if !is_lower_triangle || a.len() != entries || b.len() != entries || contact_len > n {
+            return Err(Reader::refusal("the pattern of the operators is not one"));
+        }
+        let mut sparse = || -> Result<SparseVector> {
+            let count = from.size()?;
+            let mut vector = SparseVector::new();
+            for _ in 0..count {
+                let (dof, value) = (from.size()?, from.float()?);
+                if dof >= n {
+                    return Err(Reader::refusal(format!("dof {dof} of {n}")));
+                }
+                vector.push((dof, value));
+            }
+            Ok(vector)
+        };
+        let mut vectors = (0..outputs).map(|_| sparse()).collect::<Result<Vec<_>>>()?;
+        let probes = vectors.split_off(loads);
+        Ok(Field {
+            cholesky: SparseCholesky::new(&col_ptr, &row_idx, contact_len)?,
+            contact_len,
+            loads: vectors,
+            probes,
+            operators: OperatorPair {
+                n,
+                col_ptr,
+                row_idx,
+                a,
+                b,
+            },
+        })
     }
 }

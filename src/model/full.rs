@@ -5,6 +5,7 @@
 
 use super::body_model::{BodyModel, Scratch, Stage};
 use super::field::{BLOCK, Field};
+use crate::bytes::Writer;
 use crate::error::{Error, Result};
 use crate::linalg::multiply;
 use faer::{ColMut, Mat};
@@ -104,5 +105,9 @@ impl BodyModel for Full {
 
     fn bytes(&self) -> usize {
         self.0.bytes()
+    }
+
+    fn write(&self, out: &mut Writer) {
+        self.0.write(out);
     }
 }

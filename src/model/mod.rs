@@ -1,10 +1,12 @@
 //! The compiled scene: what a step needs, and no more. Immutable, shared between simulators and threads.
 
 mod body_model;
+mod bytes;
 mod compile;
 mod condensed;
 mod field;
 mod full;
+mod parts;
 mod reduced;
 mod reduction;
 mod synthesis;
@@ -19,7 +21,7 @@ use crate::friction::Law;
 use crate::friction::fixed_point::FixedPoint;
 use crate::ports::Ports;
 use crate::qvi::{Certificate, Tableau};
-use crate::scene::{Interpolation, ModelKind, Start};
+use crate::scene::{Interpolation, ModelKind, Scene, Start};
 
 /// How the friction problem of a stage is solved.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -101,6 +103,7 @@ pub struct Model {
     history_capacity: usize,
     certificate: Certificate,
     summary: Summary,
+    scene: Scene,
     fingerprint: u64,
 }
 
@@ -125,7 +128,12 @@ impl Model {
         &self.certificate
     }
 
-    /// Identifies the scene (its `run` apart) and the format: states fit models with the same fingerprint.
+    /// The scene it was compiled from; its `run` is the default one.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// Identifies the scene (its `run` apart) and the compiled numbers: states fit models with the same fingerprint.
     pub fn fingerprint(&self) -> u64 {
         self.fingerprint
     }

@@ -4,6 +4,7 @@
 //! and the contact compliance is `P diag(1 / (1 + theta_k rate)) P^T`, whatever the step size.
 
 use super::body_model::{BodyModel, Scratch, Stage};
+use crate::bytes::{Reader, Writer};
 use crate::error::{Error, Result};
 use crate::linalg::{DenseCholesky, column as column_of, multiply, multiply_transposed};
 use dyn_stack::{MemBuffer, StackReq};
@@ -122,5 +123,27 @@ impl BodyModel for Reduced {
     fn bytes(&self) -> usize {
         let numbers = self.rates.len() * (1 + self.contact.ncols() + self.outputs.ncols());
         numbers * std::mem::size_of::<f64>()
+    }
+
+    fn write(&self, out: &mut Writer) {
+        out.floats(&self.rates);
+        out.matrix(self.contact.as_ref());
+        out.matrix(self.outputs.as_ref());
+    }
+}
+
+impl Reduced {
+    /// Reads what [`BodyModel::write`] wrote, for the given numbers of contact components, loads and outputs.
+    ///
+    /// # Errors
+    /// [`Error::Bytes`].
+    pub fn read(from: &mut Reader, contact: usize, loads: usize, outputs: usize) -> Result<Reduced> {
+        let rates = from.floats()?;
+        Ok(Reduced {
+            contact: from.matrix(contact, rates.len())?,
+            outputs: from.matrix(rates.len(), outputs)?,
+            loads,
+            rates,
+        })
     }
 }

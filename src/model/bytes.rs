@@ -1,0 +1,204 @@
+//! A compiled model as bytes: the scene and the compiled numbers, in a frame (see `crate::bytes`).
+//!
+//! Reading needs neither the mesh nor the assembly. The fingerprint is a hash of the whole payload: it tells apart
+//! models of equal scenes whose numbers differ (another mesh file, another machine's rounding), because the coordinates
+//! of a saved state mean something only together with the very numbers of the model.
+
+use super::condensed::Condensed;
+use super::field::Field;
+use super::full::Full;
+use super::parts::Parts;
+use super::reduced::Reduced;
+use super::{BodyModel, Model, ReductionRecord};
+use crate::bytes::{Frame, Reader, Writer};
+use crate::error::{Error, Result};
+use crate::fem::ContactPatch;
+use crate::qvi::Certificate;
+use crate::scene::{ModelKind, Scene};
+use xxhash_rust::xxh3::xxh3_64;
+
+const FRAME: Frame = Frame {
+    magic: *b"SLIPMODL",
+    // also to be raised when states or steps of models with equal bytes are no longer interchangeable
+    format: 1,
+    what: "compiled model",
+};
+
+impl Model {
+    /// The compiled model as versioned, checksummed, little-endian bytes.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut out = Writer::framed();
+        self.write(&mut out);
+        out.seal(&FRAME, self.fingerprint)
+    }
+
+    /// The model of [`Model::to_bytes`], bit for bit.
+    ///
+    /// # Errors
+    /// [`Error::Bytes`] for bytes that are no model of this format, truncated or damaged.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Model> {
+        let (fingerprint, payload) = FRAME.open(bytes)?;
+        let mut from = Reader::new(payload);
+        let scene = from.text()?;
+        let scene: Scene = serde_json::from_str(scene)
+            .map_err(|e| Reader::refusal(format!("compiled model: its scene is refused: {e}")))?;
+        let parts = read_parts(&mut from, &scene)?;
+        from.finish()?;
+        if !(scene.time.step.is_finite() && scene.time.step > 0.0) {
+            return Err(Reader::refusal("compiled model: time.step is not positive"));
+        }
+        let model = Model::new(&scene, parts)?;
+        if model.fingerprint != fingerprint {
+            return Err(Error::Fingerprint {
+                expected: fingerprint,
+                found: model.fingerprint,
+            });
+        }
+        Ok(model)
+    }
+
+    pub(super) fn compute_fingerprint(&self) -> u64 {
+        let mut out = Writer::framed();
+        self.write(&mut out);
+        xxh3_64(out.payload())
+    }
+
+    fn write(&self, out: &mut Writer) {
+        let summary = &self.summary;
+        out.text(&self.scene.to_json());
+        out.word(kind_number(summary.kind));
+        for size in [
+            summary.dimension,
+            summary.mesh_nodes,
+            summary.mesh_cells,
+            summary.free_dofs,
+        ] {
+            out.word(size as u64);
+        }
+        out.floats(&summary.rates);
+        let record = summary.reduction.as_ref();
+        out.floats(record.map_or(&[], |r| &r.shifts));
+        out.float(record.map_or(0.0, |r| r.achieved));
+        out.floats(&[self.strain_weights.0, self.strain_weights.1]);
+        let c = &self.certificate;
+        out.floats(&[
+            c.c0_squared,
+            c.l_g,
+            c.m_a,
+            c.l_b,
+            c.sharp_instant,
+            c.sharp_step,
+        ]);
+        let measures: Vec<f64> = self.loads.iter().map(|l| l.measure).collect();
+        out.floats(&measures);
+        write_contact(&self.contact, out);
+        self.body.write(out);
+    }
+}
+
+fn read_parts(from: &mut Reader, scene: &Scene) -> Result<Parts> {
+    let kind = read_kind(from)?;
+    let (dimension, mesh_nodes, mesh_cells, free_dofs) =
+        (from.size()?, from.size()?, from.size()?, from.size()?);
+    if dimension != scene.mesh.dimension() {
+        return Err(Reader::refusal("compiled model: dimension of the scene"));
+    }
+    let rates = array(from)?;
+    let (shifts, achieved) = (from.floats()?, from.float()?);
+    let [x, y] = array(from)?;
+    let [c0_squared, l_g, m_a, l_b, sharp_instant, sharp_step] = array(from)?;
+    let measures = from.floats()?;
+    if measures.len() != scene.loads.len() {
+        return Err(Reader::refusal("compiled model: number of loads"));
+    }
+    let contact = read_contact(from, dimension - 1)?;
+    let loads = scene.loads.len();
+    let outputs = loads + scene.probes.len() * dimension;
+    let contact_len = contact.len();
+    let mut field = || Field::read(from, free_dofs, contact_len, loads, outputs);
+    let body: Box<dyn BodyModel> = match kind {
+        ModelKind::Full => Box::new(Full(field()?)),
+        ModelKind::Condensed => Box::new(Condensed(field()?)),
+        _ => Box::new(Reduced::read(from, contact_len, loads, outputs)?),
+    };
+    Ok(Parts {
+        kind,
+        body,
+        reduction: (kind == ModelKind::Reduced).then_some(ReductionRecord { shifts, achieved }),
+        contact,
+        measures,
+        certificate: Certificate {
+            c0_squared,
+            l_g,
+            m_a,
+            l_b,
+            sharp_instant,
+            sharp_step,
+        },
+        strain_weights: (x, y),
+        dimension,
+        mesh_nodes,
+        mesh_cells,
+        free_dofs,
+        rates,
+    })
+}
+
+fn kind_number(kind: ModelKind) -> u64 {
+    match kind {
+        ModelKind::Full => 0,
+        ModelKind::Condensed => 1,
+        ModelKind::Reduced | ModelKind::Auto => 2,
+    }
+}
+
+fn read_kind(from: &mut Reader) -> Result<ModelKind> {
+    match from.word()? {
+        0 => Ok(ModelKind::Full),
+        1 => Ok(ModelKind::Condensed),
+        2 => Ok(ModelKind::Reduced),
+        other => Err(Reader::refusal(format!("compiled model of kind {other}"))),
+    }
+}
+
+fn array<const N: usize>(from: &mut Reader) -> Result<[f64; N]> {
+    let values = from.floats()?;
+    let found = values.len();
+    <[f64; N]>::try_from(values)
+        .map_err(|_| Reader::refusal(format!("expected {N} numbers, found {found}")))
+}
+
+fn write_contact(contact: &ContactPatch, out: &mut Writer) {
+    let nodes: Vec<usize> = contact.nodes.iter().map(|&n| n as usize).collect();
+    out.indices(&nodes);
+    out.floats(contact.points.as_flattened());
+    out.floats(&contact.weights);
+    out.floats(contact.tangents.as_flattened().as_flattened());
+    out.word(contact.faces as u64);
+}
+
+fn read_contact(from: &mut Reader, components: usize) -> Result<ContactPatch> {
+    let nodes = from.indices(u32::MAX as usize)?;
+    let (points, weights, tangents) = (from.floats()?, from.floats()?, from.floats()?);
+    let count = nodes.len();
+    let is_consistent = points.len() == 3 * count
+        && weights.len() == count
+        && tangents.len() == 6 * count
+        && count > 0
+        && weights.iter().all(|w| *w > 0.0);
+    if !is_consistent {
+        return Err(Reader::refusal("compiled model: arrays of the contact"));
+    }
+    let vector = |v: &[f64]| [v[0], v[1], v[2]];
+    Ok(ContactPatch {
+        nodes: nodes.into_iter().map(|n| n as u32).collect(),
+        points: points.chunks_exact(3).map(vector).collect(),
+        weights,
+        tangents: tangents
+            .chunks_exact(6)
+            .map(|v| [vector(&v[..3]), vector(&v[3..])])
+            .collect(),
+        components,
+        faces: from.size()?,
+    })
+}

@@ -1,0 +1,127 @@
+//! What a model holds that its scene does not say: the compiled numbers. Together with the scene they make the model,
+//! whether they were compiled a moment ago or read from bytes.
+
+use super::{BodyModel, LoadInput, Model, ReductionRecord, SolverSettings, Summary};
+use crate::error::Result;
+use crate::fem::ContactPatch;
+use crate::friction::Law;
+use crate::friction::fixed_point::FixedPoint;
+use crate::ports::{Ports, Shapes};
+use crate::qvi::{Certificate, Tableau};
+use crate::scene::{FrictionSolver, LoadKind, ModelKind, Run, Scene};
+
+/// The compiled numbers of a scene.
+pub(super) struct Parts {
+    pub kind: ModelKind,
+    pub body: Box<dyn BodyModel>,
+    pub reduction: Option<ReductionRecord>,
+    pub contact: ContactPatch,
+    /// Area or volume of every load.
+    pub measures: Vec<f64>,
+    pub certificate: Certificate,
+    pub strain_weights: (f64, f64),
+    pub dimension: usize,
+    pub mesh_nodes: usize,
+    pub mesh_cells: usize,
+    pub free_dofs: usize,
+    /// Slowest and fastest relaxation rate of the material, 1/s.
+    pub rates: [f64; 2],
+}
+
+impl Model {
+    /// The model of a scene with its compiled numbers; what only the command line reads of the scene is dropped.
+    ///
+    /// # Errors
+    /// [`crate::Error::Value`] for coefficients out of range; not for a validated scene.
+    pub(super) fn new(scene: &Scene, parts: Parts) -> Result<Model> {
+        let law = Law::from_scene(&scene.contact.friction);
+        law.with_coefficients(&law.coefficients())?;
+        let mut model = Model {
+            summary: summary(scene, &parts),
+            ports: ports(scene, &parts, law),
+            loads: scene
+                .loads
+                .iter()
+                .zip(&parts.measures)
+                .map(|(load, &measure)| LoadInput {
+                    start: load.start,
+                    measure,
+                })
+                .collect(),
+            interpolations: scene.loads.iter().map(|l| l.interpolation).collect(),
+            probes: scene.probes.len(),
+            law,
+            tableau: Tableau::of(scene.time.scheme),
+            start: scene.time.start,
+            largest_step: scene.time.step,
+            solver: solver(scene),
+            has_multiplicity_test: scene.fidelity.multiplicity_test,
+            history_capacity: scene.history.capacity as usize,
+            body: parts.body,
+            contact: parts.contact,
+            strain_weights: parts.strain_weights,
+            certificate: parts.certificate,
+            scene: Scene {
+                run: Run::default(),
+                ..scene.clone()
+            },
+            fingerprint: 0,
+        };
+        model.fingerprint = model.compute_fingerprint();
+        Ok(model)
+    }
+}
+
+fn summary(scene: &Scene, parts: &Parts) -> Summary {
+    Summary {
+        name: scene.name.clone(),
+        dimension: parts.dimension,
+        mesh_nodes: parts.mesh_nodes,
+        mesh_cells: parts.mesh_cells,
+        dofs_with_multipliers: parts.dimension * (parts.mesh_nodes + parts.contact.faces),
+        free_dofs: parts.free_dofs,
+        kind: parts.kind,
+        reduction: parts.reduction.clone(),
+        rates: parts.rates,
+        bytes: parts.body.bytes(),
+    }
+}
+
+fn ports(scene: &Scene, parts: &Parts, law: Law) -> Ports {
+    let unit = |kind| match kind {
+        LoadKind::Traction => "Pa",
+        LoadKind::BodyForce => "N/m3",
+    };
+    let loads: Vec<_> = scene
+        .loads
+        .iter()
+        .map(|l| (l.name.clone(), unit(l.kind)))
+        .collect();
+    let probes: Vec<_> = scene.probes.iter().map(|p| p.name.clone()).collect();
+    Ports::new(&Shapes {
+        dimension: parts.dimension,
+        nodes: parts.contact.nodes.len(),
+        components: parts.contact.components,
+        loads: &loads,
+        probes: &probes,
+        law,
+    })
+}
+
+fn solver(scene: &Scene) -> SolverSettings {
+    match scene.fidelity.solver {
+        FrictionSolver::Newton { max_iterations } => SolverSettings::Newton {
+            tolerance: scene.fidelity.friction_tolerance,
+            max_iterations: max_iterations as usize,
+        },
+        FrictionSolver::FixedPoint {
+            tolerance,
+            stop,
+            max_iterations,
+        } => SolverSettings::FixedPoint(FixedPoint {
+            tolerance,
+            stop,
+            max_iterations: max_iterations as usize,
+        }),
+    }
+}

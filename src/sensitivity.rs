@@ -1,0 +1,403 @@
+//! Derivatives of the outputs at the end of the last step by the inputs at its end: the consistent tangent.
+//!
+//! Every formula of the step is differentiated where the step was solved. All of them are linear in the tangents except
+//! the friction problem, whose tangent (`d` for the derivative along the seed, `n` the slip direction) is
+//!
+//! ```text
+//! sticking nodes:  dw = 0
+//! slipping nodes:  (S + D) dw = dr - omega g_s ds n,   D = omega [g' n n^T + (g / |w|) (I - n n^T)]
+//! dLambda = dr - S dw
+//! ```
+//!
+//! with `g'` the slope of the bound by the slip rate and `g_s` by the accumulated slip `s`. The last step is taken once
+//! more from the state before it, so that a step without derivatives costs nothing extra; the repeated step is the same
+//! bit for bit. Where a node is just about to change between stick and slip the outputs have a kink: the derivative
+//! is then that of the branch on which the step ended. A linear input enters with its share of the step, a held one
+//! with its jump at the beginning.
+
+use crate::error::{Error, Result};
+use crate::friction::law::FrictionLaw;
+use crate::friction::problem::norm;
+use crate::friction::{ContactProblem, Law};
+use crate::linalg::multiply;
+use crate::model::{BodyModel, Model};
+use crate::ports::Quantity;
+use crate::qvi::MAX_STAGES;
+use crate::readout;
+use crate::scene::{Interpolation, Start};
+use crate::simulator::Simulator;
+use crate::state::{State, energy};
+use crate::step::{Companion, StagePlace, dot, explicit_part, integrate, interpolate_loads};
+use crate::workspace::{Explicit, Velocity, Workspace};
+use faer::Mat;
+use faer::linalg::solvers::{PartialPivLu, Solve};
+
+impl Simulator {
+    /// Derivative of all outputs (as [`Simulator::get_outputs`] orders them) at the end of the last step by its inputs,
+    /// along `seed` (one value per input): `out = (d outputs / d inputs) seed`. Counts, indicators and solver figures have
+    /// the derivative 0. Costs one step and allocates.
+    ///
+    /// # Errors
+    /// [`Error::CallOrder`] when the state is not the end of a step, [`Error::Length`], [`Error::Value`].
+    pub fn directional_derivative(&mut self, seed: &[f64], out: &mut [f64]) -> Result<()> {
+        check("seed of the inputs", seed, self.model().input_count())?;
+        check_len("outputs", out.len(), self.output_len())?;
+        let mut tangents = Tangents::new(self.model(), [seed.to_vec()]);
+        self.repeat_last_step(&mut tangents)?;
+        for tangent in &tangents.list {
+            self.tangent_outputs(&tangent.state, out);
+        }
+        Ok(())
+    }
+
+    /// The transposed derivative: `out = (d outputs / d inputs)^T seed`, `seed` one value per output, `out` one per input.
+    /// Takes the tangent of every input in one repetition of the step.
+    ///
+    /// # Errors
+    /// Those of [`Simulator::directional_derivative`].
+    pub fn adjoint_derivative(&mut self, seed: &[f64], out: &mut [f64]) -> Result<()> {
+        let inputs = self.model().input_count();
+        check("seed of the outputs", seed, self.output_len())?;
+        check_len("inputs", out.len(), inputs)?;
+        let unit = |i| (0..inputs).map(|j| f64::from(u8::from(i == j))).collect();
+        let mut tangents = Tangents::new(self.model(), (0..inputs).map(unit));
+        self.repeat_last_step(&mut tangents)?;
+        let mut column = vec![0.0; seed.len()];
+        for (out, tangent) in out.iter_mut().zip(&tangents.list) {
+            self.tangent_outputs(&tangent.state, &mut column);
+            *out = dot(seed, &column);
+        }
+        Ok(())
+    }
+
+    fn tangent_outputs(&self, tangent: &State, out: &mut [f64]) {
+        let mut rest = out;
+        for port in self.model().ports().outputs() {
+            let (head, tail) = rest.split_at_mut(port.len());
+            rest = tail;
+            match port.quantity {
+                Quantity::Stick
+                | Quantity::StickFraction
+                | Quantity::Iterations
+                | Quantity::Residual
+                | Quantity::Solutions
+                | Quantity::SolutionGap => head.fill(0.0),
+                Quantity::MaxSlipRate => head[0] = self.tangent_of_largest_rate(tangent),
+                // linear in the state
+                _ => readout::read(self.model(), tangent, port, head),
+            }
+        }
+    }
+
+    fn tangent_of_largest_rate(&self, tangent: &State) -> f64 {
+        let c = self.model().contact().components;
+        let rates = self.state().slip_rate.chunks_exact(c);
+        let mut largest = (0.0, 0.0);
+        for (w, dw) in rates.zip(tangent.slip_rate.chunks_exact(c)) {
+            let rate = norm(w);
+            if rate > largest.0 {
+                largest = (rate, dot(w, dw) / rate);
+            }
+        }
+        largest.1
+    }
+}
+
+fn check_len(what: &'static str, found: usize, expected: usize) -> Result<()> {
+    if found == expected {
+        Ok(())
+    } else {
+        Err(Error::Length {
+            what,
+            expected,
+            found,
+        })
+    }
+}
+
+fn check(what: &'static str, seed: &[f64], expected: usize) -> Result<()> {
+    check_len(what, seed.len(), expected)?;
+    match seed.iter().find(|v| !v.is_finite()) {
+        None => Ok(()),
+        Some(&found) => Err(Error::Value {
+            what: what.into(),
+            found,
+            allowed: "finite numbers",
+        }),
+    }
+}
+
+/// Derivatives of everything in a step along one seed.
+struct Tangent {
+    /// Of the state; its inputs are the seed.
+    state: State,
+    velocities: [Velocity; MAX_STAGES + 1],
+    mean: Velocity,
+    explicit: Explicit,
+    loads_at_start: Vec<f64>,
+    load: Vec<f64>,
+}
+
+/// The tangents of a step along several seeds.
+struct Tangents {
+    list: Vec<Tangent>,
+    /// Derivative of the condensed load, or right-hand side.
+    condensed_load: Vec<f64>,
+    /// `S dw`.
+    product: Vec<f64>,
+    /// Vector of the length of a state.
+    sum: Vec<f64>,
+}
+
+impl Tangents {
+    fn new(model: &Model, seeds: impl IntoIterator<Item = Vec<f64>>) -> Tangents {
+        let contact = model.contact().len();
+        let tangent = |seed: Vec<f64>| {
+            let held = model.interpolations().iter().zip(&seed);
+            let loads_at_start: Vec<f64> = held
+                .map(|(kind, v)| f64::from(u8::from(*kind == Interpolation::Hold)) * v)
+                .collect();
+            let mut state = State::zero(model);
+            state.inputs.copy_from_slice(&seed);
+            Tangent {
+                state,
+                velocities: std::array::from_fn(|_| Velocity::new(model)),
+                mean: Velocity::new(model),
+                explicit: Explicit::new(model),
+                load: loads_at_start.clone(),
+                loads_at_start,
+            }
+        };
+        Tangents {
+            list: seeds.into_iter().map(tangent).collect(),
+            condensed_load: vec![0.0; contact],
+            product: vec![0.0; contact],
+            sum: vec![0.0; model.states()],
+        }
+    }
+
+    /// Tangent of `step::solve_stage`: of the velocity at `index`, from the explicit parts and loads in the tangents.
+    fn solve(
+        &mut self,
+        model: &Model,
+        state: &State,
+        ws: &mut Workspace,
+        theta_k: f64,
+        index: usize,
+    ) -> Result<()> {
+        let body = model.body();
+        let law = model.law().with_coefficients(&state.coefficient_array())?;
+        let stage = ws.stages.get(body, theta_k, &mut ws.scratch)?;
+        let contact = ContactProblem {
+            s: stage.s.as_ref(),
+            r: &ws.condensed_load,
+            components: model.contact().components,
+            weights: &model.contact().weights,
+            law: &law,
+            slip_base: &ws.explicit.accumulated_slip,
+            theta_k,
+        };
+        let friction = FrictionTangent::new(&contact, &ws.velocities[index].contact);
+        for tangent in &mut self.list {
+            let velocity = &mut tangent.velocities[index];
+            body.predict(
+                stage,
+                &tangent.explicit.displacement,
+                &tangent.load,
+                &mut self.condensed_load,
+                &mut ws.scratch,
+            );
+            let dr = &mut self.condensed_load;
+            friction.apply(
+                dr,
+                &tangent.explicit.accumulated_slip,
+                &mut velocity.contact,
+                &mut velocity.magnitude,
+            );
+            multiply(contact.s, &velocity.contact, &mut self.product);
+            for (force, (dr, product)) in velocity.force.iter_mut().zip(dr.iter().zip(&self.product)) {
+                *force = dr - product;
+            }
+            body.correct(
+                stage,
+                &velocity.contact,
+                &velocity.force,
+                &mut velocity.body,
+                &mut ws.scratch,
+            );
+            body.outputs(&velocity.body, &mut velocity.outputs);
+            velocity.load.copy_from_slice(&tangent.load);
+        }
+        Ok(())
+    }
+}
+
+impl Companion for Tangents {
+    fn start(&mut self, model: &Model, state: &State, ws: &mut Workspace) -> Result<()> {
+        let has_jump = self
+            .list
+            .iter()
+            .any(|t| t.loads_at_start.iter().any(|v| *v != 0.0));
+        if has_jump && model.tableau().uses_start_velocity() && model.start() != Start::Zero {
+            ws.velocities[0].load_from(state);
+            ws.explicit
+                .accumulated_slip
+                .copy_from_slice(&state.accumulated_slip);
+            self.solve(model, state, ws, 0.0, 0)?;
+        }
+        Ok(())
+    }
+
+    fn begin(&mut self, fraction: f64) {
+        for t in &mut self.list {
+            interpolate_loads(&t.loads_at_start, &t.state.inputs, fraction, &mut t.load);
+            t.velocities[0].load.copy_from_slice(&t.load);
+        }
+    }
+
+    fn stage(
+        &mut self,
+        model: &Model,
+        state: &State,
+        ws: &mut Workspace,
+        k: f64,
+        place: StagePlace,
+    ) -> Result<()> {
+        for t in &mut self.list {
+            let known = &t.velocities[..place.index];
+            explicit_part(&t.state, known, place.stage, k, &mut t.explicit);
+            let (start, end) = (&t.loads_at_start, &t.state.inputs);
+            interpolate_loads(start, end, place.fraction, &mut t.load);
+        }
+        self.solve(model, state, ws, place.stage.theta * k, place.index)
+    }
+
+    fn end(&mut self, model: &Model, state: &State, ws: &Workspace, k: f64) {
+        let tableau = model.tableau();
+        let last = tableau.stages().len();
+        let body = model.body();
+        for t in &mut self.list {
+            t.velocities[last].store_into(&mut t.state);
+            integrate(tableau, &mut t.state, &t.velocities[..=last], k);
+            t.mean.set_mean(tableau, &t.velocities);
+            let (mean, d) = (&ws.mean, &t.mean);
+            let (viscous, _) = mixed_products(body, &mean.body, &d.body, &mut self.sum);
+            let displacement = &t.state.displacement;
+            let (_, elastic) =
+                mixed_products(body, &state.displacement, displacement, &mut self.sum);
+            let energy = &mut t.state.energy;
+            energy[energy::EXTERNAL_WORK] +=
+                k * (dot(&mean.load, &d.outputs) + dot(&d.load, &mean.outputs));
+            energy[energy::VISCOUS] += 2.0 * k * viscous;
+            energy[energy::FRICTION] +=
+                k * (dot(&mean.force, &d.contact) + dot(&d.force, &mean.contact));
+            energy[energy::ELASTIC] = elastic;
+            t.velocities.swap(0, last);
+        }
+    }
+}
+
+/// `(x.A y, x.B y)`, by polarisation of the squares with `y` brought to the size of `x`.
+fn mixed_products(body: &dyn BodyModel, x: &[f64], y: &[f64], sum: &mut [f64]) -> (f64, f64) {
+    let size = |(a, b): (f64, f64)| (a + b).sqrt();
+    let (x_size, y_size) = (size(body.products(x)), size(body.products(y)));
+    if !(x_size > 0.0 && y_size > 0.0) {
+        return (0.0, 0.0);
+    }
+    let scale = x_size / y_size;
+    let mut squares = |sign: f64| {
+        for (sum, (x, y)) in sum.iter_mut().zip(x.iter().zip(y)) {
+            *sum = x + sign * scale * y;
+        }
+        body.products(sum)
+    };
+    let (plus, minus) = (squares(1.0), squares(-1.0));
+    let part = |plus: f64, minus: f64| (plus - minus) / (4.0 * scale);
+    (part(plus.0, minus.0), part(plus.1, minus.1))
+}
+
+/// The tangent of the friction problem at its solution.
+struct FrictionTangent {
+    components: usize,
+    /// Places of the slipping components.
+    free: Vec<usize>,
+    /// Slip directions, all components; zero where nothing slips.
+    direction: Vec<f64>,
+    /// `omega g_s` of every node.
+    slip_slope: Vec<f64>,
+    factor: Option<PartialPivLu<f64>>,
+}
+
+impl FrictionTangent {
+    fn new(problem: &ContactProblem<Law>, w: &[f64]) -> FrictionTangent {
+        let c = problem.components;
+        let mut free = Vec::new();
+        let mut direction = vec![0.0; w.len()];
+        let mut slip_slope = vec![0.0; problem.nodes()];
+        // D, block by block of the slipping nodes
+        let mut blocks: Vec<[[f64; 2]; 2]> = Vec::new();
+        for node in 0..problem.nodes() {
+            let at = node * c;
+            let rate = norm(&w[at..at + c]);
+            // without a bound at rest a node at rest does not stick
+            if rate == 0.0 && problem.bound_at_rest(node) > 0.0 {
+                continue;
+            }
+            let path = problem.slip_path(node);
+            let weight = problem.weights[node];
+            let along = weight * problem.law.slope(node, rate, path);
+            let mut n = [0.0; 2];
+            let mut across = 0.0;
+            if rate > 0.0 {
+                slip_slope[node] = weight * problem.law.slip_slope(node, rate, path);
+                across = problem.weighted_law(node, rate).bound / rate;
+                for p in 0..c {
+                    n[p] = w[at + p] / rate;
+                    direction[at + p] = n[p];
+                }
+            }
+            let entry = |p: usize, q: usize| {
+                let identity = f64::from(u8::from(p == q));
+                along * n[p] * n[q] + across * (identity - n[p] * n[q])
+            };
+            blocks.push([[entry(0, 0), entry(0, 1)], [entry(1, 0), entry(1, 1)]]);
+            free.extend(at..at + c);
+        }
+        let matrix = || {
+            Mat::from_fn(free.len(), free.len(), |i, j| {
+                let coupling = problem.s[(free[i], free[j])];
+                let is_same_node = i / c == j / c;
+                coupling + if is_same_node { blocks[i / c][i % c][j % c] } else { 0.0 }
+            })
+        };
+        let factor = (!free.is_empty()).then(|| matrix().partial_piv_lu());
+        FrictionTangent {
+            components: c,
+            free,
+            direction,
+            slip_slope,
+            factor,
+        }
+    }
+
+    /// Derivatives of slip rates and of their magnitudes, from those of the condensed load and of the accumulated slip.
+    fn apply(&self, dr: &[f64], slip: &[f64], dw: &mut [f64], magnitude: &mut [f64]) {
+        let c = self.components;
+        dw.fill(0.0);
+        if let Some(factor) = &self.factor {
+            let mut column = Mat::from_fn(self.free.len(), 1, |i, _| {
+                let at = self.free[i];
+                let node = at / c;
+                dr[at] - self.slip_slope[node] * slip[node] * self.direction[at]
+            });
+            factor.solve_in_place(&mut column);
+            for (i, &at) in self.free.iter().enumerate() {
+                dw[at] = column[(i, 0)];
+            }
+        }
+        let nodes = dw.chunks_exact(c).zip(self.direction.chunks_exact(c));
+        for (magnitude, (dw, n)) in magnitude.iter_mut().zip(nodes) {
+            *magnitude = dot(dw, n);
+        }
+    }
+}
