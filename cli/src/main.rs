@@ -1,1 +1,42 @@
-fn main() {}
+//! The command `stickslip`: runs, checks and draws scenes.
+
+mod arguments;
+mod console;
+mod contact_table;
+mod course;
+mod failure;
+mod field;
+mod paper;
+mod source;
+
+use arguments::{Arguments, Command};
+use clap::Parser;
+use failure::Failure;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    match dispatch(&Arguments::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            console::warn(&failure.to_string());
+            ExitCode::from(failure.status())
+        }
+    }
+}
+
+fn dispatch(arguments: &Arguments) -> Result<(), Failure> {
+    match &arguments.command {
+        None => Ok(()),
+        Some(Command::Run(_)) => Ok(()),
+        Some(Command::Check(_)) => Ok(()),
+        Some(Command::Example { name: None }) => {
+            let names: Vec<_> = stickslip::scene::example_names().collect();
+            console::say(&names.join("\n"))
+        }
+        Some(Command::Example { name: Some(name) }) => {
+            console::say(source::embedded(name)?.trim_end())
+        }
+        Some(Command::Schema) => console::say(&stickslip::scene::json_schema()),
+        Some(Command::Paper(options)) => paper::run(options),
+    }
+}
