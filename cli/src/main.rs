@@ -1,13 +1,20 @@
 //! The command `stickslip`: runs, checks and draws scenes.
 
 mod arguments;
+mod check;
+mod closing;
 mod console;
 mod contact_table;
 mod course;
 mod failure;
 mod field;
+mod main_job;
 mod paper;
+mod pictures;
+mod run;
+mod run_pictures;
 mod source;
+mod vtk;
 
 use arguments::{Arguments, Command};
 use clap::Parser;
@@ -26,9 +33,9 @@ fn main() -> ExitCode {
 
 fn dispatch(arguments: &Arguments) -> Result<(), Failure> {
     match &arguments.command {
-        None => Ok(()),
-        Some(Command::Run(_)) => Ok(()),
-        Some(Command::Check(_)) => Ok(()),
+        None => main_job::run(),
+        Some(Command::Run(options)) => run::run(options),
+        Some(Command::Check(choice)) => check::check(choice),
         Some(Command::Example { name: None }) => {
             let names: Vec<_> = stickslip::scene::example_names().collect();
             console::say(&names.join("\n"))

@@ -1,0 +1,3 @@
+//! The main job.
+use crate::failure::Failure;
+pub fn run() -> Result<(), Failure> { Ok(()) }
