@@ -116,6 +116,7 @@ impl Line {
             components: contact.components,
             axis: coordinate(first),
             description: match contact.components {
+                1 if contact.node_count() == 1 => "of its only node",
                 1 => "along its length",
                 _ => "along its middle row, first tangential component",
             },
@@ -130,6 +131,23 @@ impl Line {
         frames: &[Frame],
         values: fn(&Frame) -> &[f64],
     ) -> Curves {
+        if let [node] = self.nodes[..] {
+            // a single node has a course, not a length
+            let points = frames
+                .iter()
+                .map(|f| (f.time, values(f)[node * self.components]));
+            return Curves {
+                heading: heading.to_owned(),
+                x: Axis::new("time", "s"),
+                y,
+                series: vec![Series {
+                    name: String::new(),
+                    colour: BLUE,
+                    mark: Mark::Line,
+                    points: points.collect(),
+                }],
+            };
+        }
         let series = instants(frames)
             .into_iter()
             .map(|(frame, colour)| Series {
@@ -217,9 +235,9 @@ fn instants(frames: &[Frame]) -> Vec<(&Frame, Colour)> {
         .collect()
 }
 
-/// A time with at most four digits behind the point.
+/// A time with at most three digits behind the point.
 fn short(time: f64) -> String {
-    format!("{}", (time * 1e4).round() / 1e4)
+    format!("{}", (time * 1e3).round() / 1e3)
 }
 
 fn energies(frames: &[Frame]) -> Curves {

@@ -4,13 +4,25 @@
 //! interpolation error.
 
 use super::example::{self, nodal};
+use crate::closing::trimmed;
 use crate::console;
+use crate::contact_table::write_columns;
 use crate::course;
 use crate::failure::Failure;
 use crate::field::{NodalField, strain_norm};
+use crate::pictures::{Axis, BLUE, Curves, Mark, Panel, RED, Series, Sheet};
+use comfy_table::{Table, presets};
+use std::path::Path;
 use std::sync::Arc;
 use stickslip::mesh::Mesh;
 use stickslip::{Compilation, Simulator};
+
+/// The starting velocities compared: the paper's data, and the solution of the inequality at t = 0.
+const STARTS: [&str; 2] = ["zero", "consistent"];
+/// Errors from zero velocity against h = k = 1/256 by an independent solver (numpy and scipy), h = k = 1/2 ... 1/128.
+const INDEPENDENT: [f64; 7] = [
+    8.369e-2, 7.494e-2, 5.707e-2, 3.558e-2, 1.899e-2, 8.719e-3, 3.186e-3,
+];
 
 /// Errors of one pair h = k = 1/n.
 #[derive(Debug, Clone, Copy)]
@@ -20,10 +32,6 @@ pub struct Row {
     pub at_end: f64,
     /// Displacement, largest over the common instants.
     pub largest: f64,
-    /// Velocity at t = 1.
-    pub velocity_at_end: f64,
-    /// Norm of the reference displacement at t = 1.
-    pub size: f64,
 }
 
 impl Row {
@@ -38,11 +46,116 @@ impl Row {
 struct Coarse {
     n: u32,
     displacements: Vec<NodalField>,
-    last_velocity: NodalField,
+}
+
+/// The errors for both starting velocities.
+pub fn both_starts(reference: u32) -> Result<[Vec<Row>; 2], Failure> {
+    Ok([
+        errors(STARTS[0], reference)?,
+        errors(STARTS[1], reference)?,
+    ])
+}
+
+/// Figure 4 and its data.
+pub fn draw(out: &Path, errors: &[Vec<Row>; 2], reference: u32) -> Result<(), Failure> {
+    let [zero, consistent] = errors;
+    let rows = zero.iter().zip(consistent).map(|(z, c)| {
+        vec![
+            1.0 / f64::from(z.n),
+            z.abscissa(),
+            z.largest,
+            c.largest,
+            z.at_end,
+            c.at_end,
+        ]
+    });
+    write_columns(
+        &out.join("figure4.csv"),
+        &[
+            "h",
+            "h_plus_k2",
+            "largest_zero_start",
+            "largest_consistent_start",
+            "at_end_zero_start",
+            "at_end_consistent_start",
+        ],
+        rows,
+    )?;
+    let series = |name: &str, colour, rows: &[Row], value: fn(&Row) -> f64| Series {
+        name: name.to_owned(),
+        colour,
+        mark: Mark::Beads,
+        points: rows.iter().map(|r| (r.abscissa(), value(r))).collect(),
+    };
+    let slope = |row: &Row| (row.abscissa(), 0.5 * row.largest);
+    let first_order = Series {
+        name: "slope 1".to_owned(),
+        colour: (110, 110, 110),
+        mark: Mark::Dashed,
+        points: consistent.last().map_or(Vec::new(), |last| {
+            let (x, y) = slope(last);
+            consistent
+                .iter()
+                .map(|r| (r.abscissa(), y * r.abscissa() / x))
+                .collect()
+        }),
+    };
+    let curves = Curves {
+        heading: "Largest error over the instants".to_owned(),
+        x: Axis::log("h + k²", "h in m, k in s"),
+        y: Axis::log("|ε(u − u_ref)| in L²", "m"),
+        series: vec![
+            series("zero starting velocity", RED, zero, |r| r.largest),
+            series("consistent start", BLUE, consistent, |r| r.largest),
+            first_order,
+        ],
+    };
+    Sheet {
+        title: format!("Figure 4: error for h = k against h = k = 1/{reference}"),
+        width: 900,
+        height: 640,
+        rows: vec![(1.0, vec![Panel::Curves(curves)])],
+    }
+    .save(out, "figure4")
+}
+
+/// The errors, digit by digit.
+pub fn table(errors: &[Vec<Row>; 2], reference: u32) -> String {
+    let mut table = Table::new();
+    table.load_style(presets::UTF8_HORIZONTAL_ONLY);
+    let mut header = vec!["h = k", "h + k²", "zero start", "consistent start", "order"];
+    let is_comparable = reference == 256;
+    if is_comparable {
+        header.push("zero start, independent solver");
+    }
+    table.set_header(header);
+    let mut before: Option<f64> = None;
+    for (i, (zero, consistent)) in errors[0].iter().zip(&errors[1]).enumerate() {
+        let order = before.map_or("-".to_owned(), |b| {
+            format!("{:.2}", (b / consistent.largest).log2())
+        });
+        before = Some(consistent.largest);
+        let mut row = vec![
+            format!("1/{}", zero.n),
+            format!("{:.4}", zero.abscissa()),
+            format!("{:.3e}", zero.largest),
+            format!("{:.3e}", consistent.largest),
+            order,
+        ];
+        if is_comparable {
+            row.push(format!("{:.3e}", INDEPENDENT[i]));
+        }
+        table.add_row(row);
+    }
+    format!(
+        "{}\n\nError of the displacement against h = k = 1/{reference}: |eps(u - u_ref)| in L2, the largest over the instants \
+         of the coarser run.",
+        trimmed(&table)
+    )
 }
 
 /// Errors for h = k = 1/2, 1/4, ... against h = k = 1/`reference`.
-pub fn errors(start: &str, reference: u32) -> Result<Vec<Row>, Failure> {
+fn errors(start: &str, reference: u32) -> Result<Vec<Row>, Failure> {
     let mut coarse = Vec::new();
     let mut n = 2;
     while n < reference {
@@ -55,8 +168,6 @@ pub fn errors(start: &str, reference: u32) -> Result<Vec<Row>, Failure> {
             n: c.n,
             at_end: 0.0,
             largest: 0.0,
-            velocity_at_end: 0.0,
-            size: 0.0,
         })
         .collect();
     let bar = console::bar(
@@ -65,7 +176,6 @@ pub fn errors(start: &str, reference: u32) -> Result<Vec<Row>, Failure> {
     );
     follow(start, reference, |instant, compilation, simulator| {
         bar.set_position(u64::from(instant));
-        let is_end = instant == reference;
         let mut fine = None;
         for (coarse, row) in coarse.iter().zip(&mut rows) {
             let stride = reference / coarse.n;
@@ -80,11 +190,8 @@ pub fn errors(start: &str, reference: u32) -> Result<Vec<Row>, Failure> {
             let at = &coarse.displacements[(instant / stride) as usize];
             let error = distance(mesh, field, coarse, at);
             row.largest = row.largest.max(error);
-            if is_end {
+            if instant == reference {
                 row.at_end = error;
-                row.size = strain_norm(mesh, field);
-                let velocity = nodal(compilation, simulator.state().velocity())?;
-                row.velocity_at_end = distance(mesh, &velocity, coarse, &coarse.last_velocity);
             }
         }
         Ok(())
@@ -95,19 +202,13 @@ pub fn errors(start: &str, reference: u32) -> Result<Vec<Row>, Failure> {
 
 fn run(start: &str, n: u32) -> Result<Coarse, Failure> {
     let mut displacements = Vec::new();
-    let mut last = None;
-    follow(start, n, |instant, compilation, simulator| {
+    follow(start, n, |_, compilation, simulator| {
         displacements.push(nodal(compilation, simulator.state().displacement())?);
-        if instant == n {
-            last = Some(nodal(compilation, simulator.state().velocity())?);
-        }
         Ok(())
     })?;
-    let last_velocity = last.unwrap_or_default();
     Ok(Coarse {
         n,
         displacements,
-        last_velocity,
     })
 }
 

@@ -90,7 +90,6 @@ pub(super) fn colour_bar<DB: DrawingBackend>(
     for i in 0..BANDS {
         let bottom = bar.bottom - i as f64 * band;
         let frame = Frame {
-            top: bottom - band,
             bottom,
             ..bar
         };
@@ -105,7 +104,7 @@ pub(super) fn colour_bar<DB: DrawingBackend>(
     let (_, cy) = bar.centre();
     canvas.text(
         &colours.label,
-        (bar.right + 60.0, cy),
+        (bar.right + 56.0, cy),
         Anchor::Upwards,
         TEXT,
     )
