@@ -39,10 +39,16 @@ fn constants(model: &Model) -> Vec<(&'static str, String)> {
     let c = model.certificate();
     let yes = |holds: bool| if holds { "holds" } else { "does not hold" };
     vec![
-        ("c0²", format!("{:.6} m (trace constant, (5.12))", c.c0_squared)),
+        (
+            "c0²",
+            format!("{:.6} m (trace constant, (5.12))", c.c0_squared),
+        ),
         (
             "L_g",
-            format!("{:.6} Pa s/m (Lipschitz constant of the bound, (5.16))", c.l_g),
+            format!(
+                "{:.6} Pa s/m (Lipschitz constant of the bound, (5.16))",
+                c.l_g
+            ),
         ),
         (
             "m_A",

@@ -1,7 +1,7 @@
 //! The closing table of a run: what was compiled, what guarantees it, what it cost and how well it was solved.
 
 use crate::course::{Effort, Frame};
-use comfy_table::{ContentArrangement, Table, presets};
+use comfy_table::{LineStyle, Table, TableStyle, presets};
 use std::time::Duration;
 use stickslip::Model;
 use stickslip::model::Summary;
@@ -36,7 +36,10 @@ impl Closing {
     /// Takes a communication point into account.
     pub fn watch(&mut self, frame: &Frame) {
         let e = &frame.energy;
-        let turned = e.external_work.abs().max(e.elastic + e.viscous + e.friction);
+        let turned = e
+            .external_work
+            .abs()
+            .max(e.elastic + e.viscous + e.friction);
         self.turnover = self.turnover.max(turned);
         self.balance = self.balance.max(e.balance_error.abs());
         let share = frame.stick.iter().sum::<f64>() / frame.stick.len().max(1) as f64;
@@ -66,7 +69,10 @@ impl Closing {
         let mut rows = compiled(summary, model);
         rows.extend(certificate(model));
         let per_step = effort.stepping.as_secs_f64() / effort.internal_steps.max(1) as f64;
-        rows.push(("set-up", format!("{:.2} ms", 1e3 * self.setup.as_secs_f64())));
+        rows.push((
+            "set-up",
+            format!("{:.2} ms", 1e3 * self.setup.as_secs_f64()),
+        ));
         rows.push((
             "steps",
             format!(
@@ -85,7 +91,10 @@ impl Closing {
                 effort.most_iterations()
             ),
         ));
-        rows.push(("friction residual", format!("{:.1e} at most", effort.residual)));
+        rows.push((
+            "friction residual",
+            format!("{:.1e} at most", effort.residual),
+        ));
         rows.push((
             "energy balance",
             format!(
@@ -202,14 +211,19 @@ fn kind(kind: ModelKind) -> &'static str {
 /// A table of names and values under a title.
 pub fn two_columns(title: &str, rows: Vec<(&'static str, String)>) -> String {
     let mut table = Table::new();
-    table
-        .load_style(presets::NOTHING)
-        .set_content_arrangement(ContentArrangement::Disabled);
+    table.load_style(presets::NOTHING);
     for (name, value) in rows {
         table.add_row(vec![name.to_owned(), value]);
     }
     format!("{title}\n{}", trimmed(&table))
 }
+
+/// Lines above and below the header and at the end.
+pub const RULED: TableStyle = TableStyle::new()
+    .top_border(RULE)
+    .header_separator(RULE)
+    .bottom_border(RULE);
+const RULE: LineStyle = LineStyle::none().fill('─').junction('─');
 
 /// The lines of a table without trailing blanks.
 pub fn trimmed(table: &Table) -> String {

@@ -3,8 +3,8 @@
 use crate::failure::Failure;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use stickslip::scene::Scene;
 use stickslip::Simulator;
+use stickslip::scene::Scene;
 
 /// The contact and the energies at one communication point. Contact arrays go node by node, components inner.
 #[derive(Debug, Clone)]

@@ -15,8 +15,8 @@ struct Triangle {
 impl Triangle {
     fn new(mesh: &Mesh, cell: &[u32]) -> Triangle {
         let p = |i: usize| mesh.nodes[cell[i] as usize];
-        let twice = (p(1)[0] - p(0)[0]) * (p(2)[1] - p(0)[1])
-            - (p(2)[0] - p(0)[0]) * (p(1)[1] - p(0)[1]);
+        let twice =
+            (p(1)[0] - p(0)[0]) * (p(2)[1] - p(0)[1]) - (p(2)[0] - p(0)[0]) * (p(1)[1] - p(0)[1]);
         let gradient = |i: usize| {
             let (a, b) = (p((i + 1) % 3), p((i + 2) % 3));
             [(a[1] - b[1]) / twice, (b[0] - a[0]) / twice]
@@ -69,11 +69,7 @@ pub fn contact_forces(body: &Body, displacement: &[[f64; 3]], velocity: &[[f64; 
             body.elasticity,
             triangle.strain(cell, displacement),
         );
-        add(
-            &mut stress,
-            body.viscosity,
-            triangle.strain(cell, velocity),
-        );
+        add(&mut stress, body.viscosity, triangle.strain(cell, velocity));
         for (g, &node) in triangle.gradients.iter().zip(cell) {
             let force = &mut forces[node as usize];
             force[0] += triangle.area * (stress[0] * g[0] + stress[2] * g[1]);

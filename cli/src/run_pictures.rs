@@ -3,8 +3,7 @@
 use crate::course::{Energy, Frame};
 use crate::failure::Failure;
 use crate::pictures::{
-    Axis, BLUE, Colour, Curves, GREEN, Map, Mark, ORANGE, Panel, RED, Scale, Series, Sheet,
-    sequential,
+    Axis, BLUE, Colour, Curves, GREEN, Map, Mark, ORANGE, Panel, RED, Series, Sheet, sequential,
 };
 use std::path::Path;
 use stickslip::Scene;
@@ -41,9 +40,12 @@ pub fn draw(
         520,
         vec![
             along("Slip rate", "slip rate", "m/s", |f| &f.slip_rate),
-            along("Tangential stress on the body", "tangential stress", "Pa", |f| {
-                &f.tangential_stress
-            }),
+            along(
+                "Tangential stress on the body",
+                "tangential stress",
+                "Pa",
+                |f| &f.tangential_stress,
+            ),
         ],
     )
     .save(folder, "contact")?;
@@ -116,7 +118,7 @@ impl Line {
             components: contact.components,
             axis: coordinate(first),
             description: match contact.components {
-                1 if contact.node_count() == 1 => "of its only node",
+                1 if contact.node_count() == 1 => "at its only node",
                 1 => "along its length",
                 _ => "along its middle row, first tangential component",
             },
@@ -183,9 +185,7 @@ impl Line {
             y: Axis::new("time", "s"),
             x_edges: edges(&self.position),
             y_edges: edges(&times),
-            scale: Scale {
-                axis: rates_axis(frames),
-            },
+            scale: rates_axis(frames),
             values,
         }
     }
@@ -291,9 +291,7 @@ fn plan_views(contact: &ContactPatch, frames: &[Frame]) -> Vec<Panel> {
             x_edges: edges(&xs),
             y_edges: edges(&ys),
             values,
-            scale: Scale {
-                axis: rates_axis(frames),
-            },
+            scale: rates_axis(frames),
         })
     };
     let last = frames.len() - 1;

@@ -29,7 +29,13 @@ impl Series {
         // a scene may be called anything, a file may not
         let stem = name
             .chars()
-            .map(|c| if c.is_alphanumeric() || "-_".contains(c) { c } else { '_' })
+            .map(|c| {
+                if c.is_alphanumeric() || "-_".contains(c) {
+                    c
+                } else {
+                    '_'
+                }
+            })
             .collect();
         Ok(Series {
             folder: folder.to_owned(),

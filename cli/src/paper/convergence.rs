@@ -4,14 +4,14 @@
 //! interpolation error.
 
 use super::example::{self, nodal};
-use crate::closing::trimmed;
+use crate::closing::{RULED, trimmed};
 use crate::console;
 use crate::contact_table::write_columns;
 use crate::course;
 use crate::failure::Failure;
 use crate::field::{NodalField, strain_norm};
 use crate::pictures::{Axis, BLUE, Curves, Mark, Panel, RED, Series, Sheet};
-use comfy_table::{Table, presets};
+use comfy_table::Table;
 use std::path::Path;
 use std::sync::Arc;
 use stickslip::mesh::Mesh;
@@ -50,10 +50,7 @@ struct Coarse {
 
 /// The errors for both starting velocities.
 pub fn both_starts(reference: u32) -> Result<[Vec<Row>; 2], Failure> {
-    Ok([
-        errors(STARTS[0], reference)?,
-        errors(STARTS[1], reference)?,
-    ])
+    Ok([errors(STARTS[0], reference)?, errors(STARTS[1], reference)?])
 }
 
 /// Figure 4 and its data.
@@ -122,7 +119,7 @@ pub fn draw(out: &Path, errors: &[Vec<Row>; 2], reference: u32) -> Result<(), Fa
 /// The errors, digit by digit.
 pub fn table(errors: &[Vec<Row>; 2], reference: u32) -> String {
     let mut table = Table::new();
-    table.load_style(presets::UTF8_HORIZONTAL_ONLY);
+    table.load_style(RULED);
     let mut header = vec!["h = k", "h + k²", "zero start", "consistent start", "order"];
     let is_comparable = reference == 256;
     if is_comparable {
@@ -206,10 +203,7 @@ fn run(start: &str, n: u32) -> Result<Coarse, Failure> {
         displacements.push(nodal(compilation, simulator.state().displacement())?);
         Ok(())
     })?;
-    Ok(Coarse {
-        n,
-        displacements,
-    })
+    Ok(Coarse { n, displacements })
 }
 
 /// Runs h = k = 1/n on the whole mesh and shows every instant.

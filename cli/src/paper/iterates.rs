@@ -30,9 +30,7 @@ pub fn draw(out: &Path) -> Result<(), Failure> {
         let iterates = simulator.iterates();
         steps.push(
             iterates
-                .map(|(rates, forces)| {
-                    (rates[tip].abs(), contact.stress(tip, forces[tip]).abs())
-                })
+                .map(|(rates, forces)| (rates[tip].abs(), contact.stress(tip, forces[tip]).abs()))
                 .collect(),
         );
         Ok(())

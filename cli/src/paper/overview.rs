@@ -10,8 +10,8 @@ pub fn draw(out: &Path, laws: &[Law], body: &Deformed) -> Result<(), Failure> {
     Sheet {
         title: "Kelvin-Voigt body pressed on a rigid foundation (Kazmi et al. 2014, section 7)"
             .to_owned(),
-        width: 1100,
-        height: 930,
+        width: 960,
+        height: 800,
         rows: vec![
             (1.2, vec![Panel::Body(body.view())]),
             (

@@ -1,9 +1,9 @@
 //! The numbers the paper reports, beside those found here.
 
 use super::example::{self, Finished};
-use crate::closing;
+use crate::closing::{RULED, trimmed};
 use crate::failure::Failure;
-use comfy_table::{CellAlignment, Table, presets};
+use comfy_table::{CellAlignment, Table};
 use stickslip::mesh::Mesh;
 
 /// The table; `default` is the example as it is embedded.
@@ -31,7 +31,7 @@ pub fn table(default: &Finished) -> Result<String, Failure> {
     let tip = default.simulator.get_by_name("tip.displacement");
     let tip = tip.map_err(Failure::of(example::NAME))?;
     let mut table = Table::new();
-    table.load_style(presets::UTF8_HORIZONTAL_ONLY);
+    table.load_style(RULED);
     table.set_header(["h = k = 1/32, T = 1 s", "paper", "here"]);
     for (name, paper, here) in [
         (
@@ -80,7 +80,7 @@ pub fn table(default: &Finished) -> Result<String, Failure> {
     }
     Ok(format!(
         "{}\n\n{}",
-        closing::trimmed(&table),
+        trimmed(&table),
         "Problem 7.4 from zero velocity, tolerance 1e-6, reading the stop test either way: neither gives the 7.2 iterations\n\
          of the paper. Times are wall clock of one thread on this machine; the paper's is a 2.33 GHz machine of 2012."
     ))

@@ -44,7 +44,18 @@ impl Axis {
         self
     }
 
-    /// The axis fitted to data.
+    /// The axis from the least to the greatest value, for colours.
+    pub(super) fn fit_exactly(&self, values: impl Iterator<Item = f64> + Clone) -> Fitted {
+        let low = values.clone().fold(f64::INFINITY, f64::min);
+        let high = values.clone().fold(f64::NEG_INFINITY, f64::max);
+        if self.range.is_some() || low >= high {
+            self.fit(values)
+        } else {
+            self.clone().from_to(low, high).fit(values)
+        }
+    }
+
+    /// The axis fitted to data, with a margin.
     pub(super) fn fit(&self, values: impl Iterator<Item = f64>) -> Fitted {
         let usable = values.filter(|v| v.is_finite() && !(self.is_log && *v <= 0.0));
         let (low, high) = usable.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
@@ -54,7 +65,10 @@ impl Axis {
             Some(range) => range,
             None if low > high => (0.0, 1.0),
             None if self.is_log => (low / 1.25, high * 1.25),
-            None if low == high => (low - 0.5 * low.abs().max(1e-12), high + 0.5 * high.abs().max(1e-12)),
+            None if low == high => (
+                low - 0.5 * low.abs().max(1e-12),
+                high + 0.5 * high.abs().max(1e-12),
+            ),
             None => (low - 0.05 * (high - low), high + 0.05 * (high - low)),
         };
         let largest = low.abs().max(high.abs());
@@ -123,7 +137,7 @@ impl Fitted {
         }
         let unit = 10f64.powi(self.exponent);
         let (low, high) = (self.low / unit, self.high / unit);
-        let rough = (high - low) / 6.0;
+        let rough = (high - low) / 7.5;
         let magnitude = 10f64.powf(rough.log10().floor());
         let step = [1.0, 2.0, 2.5, 5.0, 10.0]
             .into_iter()

@@ -57,7 +57,7 @@ impl BodyView {
                 room.bottom - unit * (y - low),
             )
         };
-        let colours = self.scale.fit(self.amount.iter().copied());
+        let colours = self.scale.fit_exactly(self.amount.iter().copied());
         for triangle in &self.triangles {
             let corners: Vec<_> = triangle.iter().map(|&n| at(self.nodes[n])).collect();
             let mean = triangle.iter().map(|&n| self.amount[n]).sum::<f64>() / 3.0;

@@ -44,8 +44,6 @@ pub enum Anchor {
     Left,
     Centre,
     Right,
-    /// Centred above the point.
-    Above,
     /// Centred below the point.
     Below,
     /// Centred, read from below.
@@ -219,7 +217,6 @@ impl<'a, DB: DrawingBackend> Canvas<'a, DB> {
             Anchor::Left => (HPos::Left, VPos::Center, FontTransform::None),
             Anchor::Centre => (HPos::Center, VPos::Center, FontTransform::None),
             Anchor::Right => (HPos::Right, VPos::Center, FontTransform::None),
-            Anchor::Above => (HPos::Center, VPos::Bottom, FontTransform::None),
             Anchor::Below => (HPos::Center, VPos::Top, FontTransform::None),
             Anchor::Upwards => (HPos::Center, VPos::Center, FontTransform::Rotate270),
         };

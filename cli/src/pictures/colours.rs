@@ -10,7 +10,6 @@ pub const STICK: Colour = (214, 214, 214);
 pub const BLUE: Colour = (0, 114, 178);
 pub const RED: Colour = (213, 94, 0);
 pub const GREEN: Colour = (0, 158, 115);
-pub const PURPLE: Colour = (170, 70, 140);
 pub const ORANGE: Colour = (230, 159, 0);
 
 /// Colour of an amount in [0, 1], dark for little, bright for much.

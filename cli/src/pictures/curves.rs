@@ -13,7 +13,6 @@ const SAMPLE: f64 = 26.0;
 pub enum Mark {
     Line,
     Dashed,
-    Dots,
     /// A line with a dot at every value.
     Beads,
 }
@@ -101,11 +100,13 @@ impl Series {
         points: &[(f64, f64)],
     ) -> Result<(), String> {
         match self.mark {
-            Mark::Line | Mark::Beads if points.len() > 1 => canvas.line(points, self.colour, 2.0)?,
+            Mark::Line | Mark::Beads if points.len() > 1 => {
+                canvas.line(points, self.colour, 2.0)?
+            }
             Mark::Dashed => canvas.dashes(points, self.colour, 1.6)?,
             _ => {}
         }
-        if matches!(self.mark, Mark::Dots | Mark::Beads) {
+        if self.mark == Mark::Beads {
             for point in points {
                 canvas.dot(*point, 3.2, self.colour)?;
             }
@@ -124,7 +125,6 @@ impl Series {
         match self.mark {
             Mark::Line => canvas.line(&[from, to], self.colour, 2.0),
             Mark::Dashed => canvas.dashes(&[from, to], self.colour, 1.6),
-            Mark::Dots => canvas.dot((x + 0.5 * SAMPLE, y), 3.2, self.colour),
             Mark::Beads => {
                 canvas.line(&[from, to], self.colour, 2.0)?;
                 canvas.dot((x + 0.5 * SAMPLE, y), 3.2, self.colour)

@@ -9,12 +9,6 @@ use plotters::prelude::DrawingBackend;
 const SCALE_ROOM: f64 = 104.0;
 const LEGEND_ROW: f64 = 22.0;
 
-/// What the colours mean.
-#[derive(Debug, Clone)]
-pub struct Scale {
-    pub axis: Axis,
-}
-
 /// Cells `x_edges[i]..x_edges[i + 1]` by `y_edges[j]..y_edges[j + 1]`; `values[j][i]` is `None` where it sticks.
 pub struct Map {
     pub heading: String,
@@ -23,7 +17,8 @@ pub struct Map {
     pub x_edges: Vec<f64>,
     pub y_edges: Vec<f64>,
     pub values: Vec<Vec<Option<f64>>>,
-    pub scale: Scale,
+    /// What the colours mean.
+    pub scale: Axis,
 }
 
 impl Map {
@@ -44,7 +39,7 @@ impl Map {
         let plane = Plane::new(panel, x, y, LEGEND_ROW, SCALE_ROOM);
         canvas.rectangle(plane.frame, STICK)?;
         let amounts = self.values.iter().flatten().flatten().copied();
-        let colours = self.scale.axis.fit(amounts);
+        let colours = self.scale.fit_exactly(amounts);
         for (j, row) in self.values.iter().enumerate() {
             for (i, amount) in row.iter().enumerate() {
                 let Some(amount) = amount else { continue };
@@ -89,10 +84,7 @@ pub(super) fn colour_bar<DB: DrawingBackend>(
     let band = bar.height() / BANDS as f64;
     for i in 0..BANDS {
         let bottom = bar.bottom - i as f64 * band;
-        let frame = Frame {
-            bottom,
-            ..bar
-        };
+        let frame = Frame { bottom, ..bar };
         canvas.rectangle(frame, sequential((i as f64 + 0.5) / BANDS as f64))?;
     }
     canvas.outline(bar, BLACK, 1.0)?;

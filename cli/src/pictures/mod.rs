@@ -11,11 +11,12 @@ pub use axes::Axis;
 pub use body::BodyView;
 pub use colours::{BLUE, Colour, GREEN, ORANGE, RED, sequential};
 pub use curves::{Curves, Mark, Series};
-pub use map::{Map, Scale};
+pub use map::Map;
 
 use crate::failure::Failure;
 use canvas::{Canvas, Frame};
 use plotters::prelude::*;
+use std::collections::HashMap;
 use std::path::Path;
 
 /// Pixels of the bitmap that are averaged to one, along each axis.
@@ -56,17 +57,20 @@ impl Sheet {
     fn save_png(&self, path: &Path) -> Result<(), Failure> {
         let failed = Failure::writing(path);
         let pixels = self.bitmap().map_err(|why| failed(&why))?;
+        let (palette, indices) = indexed(&pixels);
         let file = std::fs::File::create(path).map_err(|e| failed(&e))?;
         let mut encoder = png::Encoder::new(std::io::BufWriter::new(file), self.width, self.height);
-        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_color(png::ColorType::Indexed);
         encoder.set_depth(png::BitDepth::Eight);
+        encoder.set_palette(palette);
         encoder.set_compression(png::Compression::High);
+        encoder.set_filter(png::Filter::NoFilter);
         let mut writer = encoder.write_header().map_err(|e| failed(&e))?;
-        writer.write_image_data(&pixels).map_err(|e| failed(&e))?;
+        writer.write_image_data(&indices).map_err(|e| failed(&e))?;
         writer.finish().map_err(|e| failed(&e))
     }
 
-    /// Pixels, red green blue, row by row.
+    /// Pixels, red green blue and opacity, row by row.
     fn bitmap(&self) -> Result<Vec<u8>, String> {
         let fine = (self.width * SUPERSAMPLING, self.height * SUPERSAMPLING);
         let mut buffer = vec![255; 3 * (fine.0 * fine.1) as usize];
@@ -76,19 +80,18 @@ impl Sheet {
             area.present().map_err(|e| e.to_string())?;
         }
         let (n, row) = (SUPERSAMPLING as usize, 3 * fine.0 as usize);
-        let mut pixels = Vec::with_capacity(3 * (self.width * self.height) as usize);
+        let mut pixels = Vec::with_capacity(4 * (self.width * self.height) as usize);
         for y in 0..self.height as usize {
             for x in 0..self.width as usize {
                 for channel in 0..3 {
                     let sum: u32 = (0..n * n)
                         .map(|i| {
-                            u32::from(
-                                buffer[(y * n + i / n) * row + 3 * (x * n + i % n) + channel],
-                            )
+                            u32::from(buffer[(y * n + i / n) * row + 3 * (x * n + i % n) + channel])
                         })
                         .sum();
                     pixels.push((sum / (n * n) as u32) as u8);
                 }
+                pixels.push(u8::MAX);
             }
         }
         Ok(pixels)
@@ -139,4 +142,29 @@ impl Sheet {
         }
         Ok(())
     }
+}
+
+/// The 256 colours that serve a picture best, and the colour of every pixel: a third of the size of full colour.
+fn indexed(pixels: &[u8]) -> (Vec<u8>, Vec<u8>) {
+    const COLOURS: usize = 256;
+    /// Brighter than this is meant to be white.
+    const NEARLY_WHITE: u8 = 250;
+    let quantizer = color_quant::NeuQuant::new(5, COLOURS, pixels);
+    let mut palette = quantizer.color_map_rgb();
+    for colour in palette.chunks_exact_mut(3) {
+        if colour.iter().all(|channel| *channel >= NEARLY_WHITE) {
+            colour.fill(u8::MAX);
+        }
+    }
+    let mut known = HashMap::new();
+    let indices = pixels
+        .chunks_exact(4)
+        .map(|pixel| {
+            let key = [pixel[0], pixel[1], pixel[2]];
+            *known
+                .entry(key)
+                .or_insert_with(|| quantizer.index_of(pixel) as u8)
+        })
+        .collect();
+    (palette, indices)
 }
