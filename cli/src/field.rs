@@ -82,3 +82,37 @@ pub fn contact_forces(body: &Body, displacement: &[[f64; 3]], velocity: &[[f64; 
         .map(|&node| forces[node as usize])
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::paper::example;
+    use stickslip::qvi::strain_weights;
+
+    /// The stress of the elements balances what the friction solver found, and the strain norm is `x A + y B`.
+    #[test]
+    fn forces_and_norm_agree_with_the_assembled_body() {
+        let mut overrides = example::sizes(8, 8);
+        overrides.push(("fidelity.model", "full".to_owned()));
+        let scene = example::scene(&overrides).unwrap();
+        let run = example::finish(&scene).unwrap();
+        let (body, state) = (&run.compilation.body, run.simulator.state());
+        let u = example::nodal(&run.compilation, state.displacement()).unwrap();
+        let w = example::nodal(&run.compilation, state.velocity()).unwrap();
+        let forces = contact_forces(body, &u, &w);
+        let stress = run
+            .simulator
+            .get_by_name("contact.tangential_stress")
+            .unwrap();
+        for ((force, stress), weight) in forces.iter().zip(&stress).zip(&body.contact.weights) {
+            let error = force[0] - stress * weight;
+            assert!(error.abs() < 1e-12, "{error}");
+            assert!(force[1] > 0.0);
+        }
+        let free = run.compilation.field(state.displacement()).unwrap();
+        let (a, b) = body.operators.product(&free, &free);
+        let (x, y) = strain_weights(body);
+        let expected = (x * a + y * b).sqrt();
+        assert!((strain_norm(&body.mesh, &u) / expected - 1.0).abs() < 1e-12);
+    }
+}
