@@ -1,4 +1,4 @@
-//! Why the command fails: one line on stderr and an exit status.
+//! Why the command fails: one line on stderr; the exit status is then 1 (2 is for mistakes in the use of the command).
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -8,7 +8,7 @@ pub enum Failure {
     /// The library refused; the source is the scene's file or name.
     Library {
         source_name: String,
-        error: stickslip::Error,
+        error: Box<stickslip::Error>,
         hint: &'static str,
     },
     /// A file cannot be read or written.
@@ -26,11 +26,6 @@ pub enum Failure {
 }
 
 impl Failure {
-    /// Exit status; 2 is left to mistakes in the use of the command line.
-    pub fn status(&self) -> u8 {
-        1
-    }
-
     /// For a file that cannot be written.
     pub fn writing(path: &Path) -> impl Fn(&dyn fmt::Display) -> Failure {
         let path = path.to_owned();
@@ -46,7 +41,7 @@ impl Failure {
         let source_name = source_name.to_owned();
         move |error| Failure::Library {
             source_name: source_name.clone(),
-            error,
+            error: Box::new(error),
             hint: "",
         }
     }
@@ -55,23 +50,20 @@ impl Failure {
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let text = match self {
-            // the text of a refused scene already begins with the source, except where the mesh was at fault
-            Failure::Library {
-                source_name,
-                error:
-                    stickslip::Error::Scene {
-                        path,
-                        found,
-                        allowed,
-                        ..
-                    },
-                ..
-            } => format!("{source_name}: at {path}: found {found}; allowed: {allowed}"),
             Failure::Library {
                 source_name,
                 error,
                 hint,
-            } => format!("{source_name}: {error}{hint}"),
+            } => match error.as_ref() {
+                // the library calls a mesh's scene "scene"
+                stickslip::Error::Scene {
+                    path,
+                    found,
+                    allowed,
+                    ..
+                } => format!("{source_name}: at {path}: found {found}; allowed: {allowed}"),
+                error => format!("{source_name}: {error}{hint}"),
+            },
             Failure::File { path, doing, why } => {
                 format!("{}: cannot {doing}: {why}", path.display())
             }

@@ -26,7 +26,7 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             console::warn(&failure.to_string());
-            ExitCode::from(failure.status())
+            ExitCode::FAILURE
         }
     }
 }

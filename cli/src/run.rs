@@ -83,7 +83,7 @@ fn refuse_unstable(
             }
             Err(Failure::Library {
                 source_name: name.to_owned(),
-                error,
+                error: Box::new(error),
                 hint: "; --force runs it all the same",
             })
         }

@@ -206,9 +206,9 @@ fn rates_axis(frames: &[Frame]) -> Axis {
         .flat_map(|f| (0..f.stick.len()).filter_map(move |n| rate(f, n)));
     let largest = all.fold(0.0, f64::max);
     if largest == 0.0 {
-        return Axis::new("slip rate", "m/s").from_to(0.0, 1.0);
+        return Axis::new("slip rate", "m/s").between(0.0, 1.0);
     }
-    Axis::log("slip rate", "m/s").from_to(FAINTEST * largest, largest)
+    Axis::log("slip rate", "m/s").between(FAINTEST * largest, largest)
 }
 
 /// Borders of the cells around ordered values: halfway between neighbours, and the first and last values themselves.

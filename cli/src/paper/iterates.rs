@@ -63,8 +63,8 @@ pub fn draw(out: &Path) -> Result<(), Failure> {
         });
         Panel::Curves(Curves {
             heading: heading.to_owned(),
-            x: Axis::new("slip rate", "m/s").from_to(-0.02 * end, end),
-            y: Axis::new("friction stress", "Pa").from_to(0.0008, 0.0032),
+            x: Axis::new("slip rate", "m/s").between(-0.02 * end, end),
+            y: Axis::new("friction stress", "Pa").between(0.0008, 0.0032),
             series: [law].into_iter().chain(drawn).collect(),
         })
     };

@@ -65,7 +65,7 @@ pub fn run() -> Result<Vec<Law>, Failure> {
 pub fn stress(laws: &[Law]) -> Curves {
     Curves {
         heading: "Tangential stress on the body at t = 1 s".to_owned(),
-        x: Axis::new("x", "m").from_to(0.0, 1.0),
+        x: Axis::new("x", "m").between(0.0, 1.0),
         y: Axis::new("tangential stress", "Pa"),
         series: laws
             .iter()
@@ -78,7 +78,7 @@ pub fn stress(laws: &[Law]) -> Curves {
 pub fn velocity(laws: &[Law]) -> Curves {
     Curves {
         heading: "Tangential velocity at t = 1 s".to_owned(),
-        x: Axis::new("x", "m").from_to(0.0, 1.0),
+        x: Axis::new("x", "m").between(0.0, 1.0),
         y: Axis::new("tangential velocity", "m/s"),
         series: laws.iter().map(|l| l.series(|f| &f.slip_rate)).collect(),
     }

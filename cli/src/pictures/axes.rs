@@ -39,7 +39,7 @@ impl Axis {
         }
     }
 
-    pub fn from_to(mut self, low: f64, high: f64) -> Axis {
+    pub fn between(mut self, low: f64, high: f64) -> Axis {
         self.range = Some((low, high));
         self
     }
@@ -51,7 +51,7 @@ impl Axis {
         if self.range.is_some() || low >= high {
             self.fit(values)
         } else {
-            self.clone().from_to(low, high).fit(values)
+            self.clone().between(low, high).fit(values)
         }
     }
 

@@ -33,7 +33,7 @@ impl Map {
         };
         let fit = |axis: &Axis, edges: &[f64]| {
             let (low, high) = ends(edges);
-            axis.clone().from_to(low, high).fit(std::iter::empty())
+            axis.clone().between(low, high).fit(std::iter::empty())
         };
         let (x, y) = (fit(&self.x, &self.x_edges), fit(&self.y, &self.y_edges));
         let plane = Plane::new(panel, x, y, LEGEND_ROW, SCALE_ROOM);
