@@ -84,18 +84,20 @@ pub fn draw(out: &Path, errors: &[Vec<Row>; 2], reference: u32) -> Result<(), Fa
         mark: Mark::Beads,
         points: rows.iter().map(|r| (r.abscissa(), value(r))).collect(),
     };
-    let slope = |row: &Row| (row.abscissa(), 0.5 * row.largest);
+    // beside the finest meshes, below the curves
+    let finest = &consistent[consistent.len().saturating_sub(4)..];
+    let factor = finest
+        .iter()
+        .map(|r| 0.7 * r.largest / r.abscissa())
+        .fold(f64::INFINITY, f64::min);
     let first_order = Series {
         name: "slope 1".to_owned(),
         colour: (110, 110, 110),
         mark: Mark::Dashed,
-        points: consistent.last().map_or(Vec::new(), |last| {
-            let (x, y) = slope(last);
-            consistent
-                .iter()
-                .map(|r| (r.abscissa(), y * r.abscissa() / x))
-                .collect()
-        }),
+        points: finest
+            .iter()
+            .map(|r| (r.abscissa(), factor * r.abscissa()))
+            .collect(),
     };
     let curves = Curves {
         heading: "Largest error over the instants".to_owned(),
