@@ -371,6 +371,17 @@ impl Simulator {
         (report[report::SOLUTIONS], report[report::SOLUTION_GAP])
     }
 
+    /// Keeps the iterates of the fixed-point solver from now on; steps then allocate.
+    pub fn keep_iterates(&mut self) {
+        self.workspace.fixed_point.keep_trace();
+    }
+
+    /// Iterates of the last stage that the fixed-point solver solved: slip rates (m/s) and forces on the foundation (N).
+    /// Empty unless kept.
+    pub fn iterates(&self) -> impl Iterator<Item = (&[f64], &[f64])> {
+        self.workspace.fixed_point.iterates()
+    }
+
     /// Stage factorizations made so far: one per step size that was not among the last few.
     pub fn factorizations(&self) -> u64 {
         self.workspace.stages.factorizations
