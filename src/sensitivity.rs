@@ -15,6 +15,7 @@
 //! is then that of the branch on which the step ended. A linear input enters with its share of the step, a held one
 //! with its jump at the beginning.
 
+use crate::companion::{Companion, StagePlace};
 use crate::error::{Error, Result};
 use crate::friction::law::FrictionLaw;
 use crate::friction::problem::norm;
@@ -24,10 +25,10 @@ use crate::model::{BodyModel, Model};
 use crate::ports::Quantity;
 use crate::qvi::MAX_STAGES;
 use crate::readout;
+use crate::record::{dot, explicit_part, integrate, interpolate_loads};
 use crate::scene::{Interpolation, Start};
 use crate::simulator::Simulator;
 use crate::state::{State, energy};
-use crate::step::{Companion, StagePlace, dot, explicit_part, integrate, interpolate_loads};
 use crate::workspace::{Explicit, Velocity, Workspace};
 use faer::Mat;
 use faer::linalg::solvers::{PartialPivLu, Solve};
@@ -215,7 +216,9 @@ impl Tangents {
                 &mut velocity.magnitude,
             );
             multiply(contact.s, &velocity.contact, &mut self.product);
-            for (force, (dr, product)) in velocity.force.iter_mut().zip(dr.iter().zip(&self.product)) {
+            for (force, (dr, product)) in
+                velocity.force.iter_mut().zip(dr.iter().zip(&self.product))
+            {
                 *force = dr - product;
             }
             body.correct(
@@ -367,7 +370,12 @@ impl FrictionTangent {
             Mat::from_fn(free.len(), free.len(), |i, j| {
                 let coupling = problem.s[(free[i], free[j])];
                 let is_same_node = i / c == j / c;
-                coupling + if is_same_node { blocks[i / c][i % c][j % c] } else { 0.0 }
+                coupling
+                    + if is_same_node {
+                        blocks[i / c][i % c][j % c]
+                    } else {
+                        0.0
+                    }
             })
         };
         let factor = (!free.is_empty()).then(|| matrix().partial_piv_lu());

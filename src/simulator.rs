@@ -1,11 +1,13 @@
 //! A simulator: one state of one model, driven by a master.
 
+use crate::companion::{Alone, Companion};
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::ports::Quantity;
 use crate::readout;
+use crate::record::record;
 use crate::state::{State, history_row, report};
-use crate::step::{self, Companion};
+use crate::step;
 use crate::workspace::Workspace;
 use std::sync::Arc;
 
@@ -105,7 +107,7 @@ impl Simulator {
             state.needs_settling = 0;
             step::settle(model, state, ws)?;
             state.is_initialized = 1;
-            step::record(model, state);
+            record(model, state);
             Ok(())
         })
     }
@@ -203,7 +205,7 @@ impl Simulator {
             });
         }
         self.attempt(|model, state, ws| {
-            step::advance(model, state, ws, step, &mut step::Alone)?;
+            step::advance(model, state, ws, step, &mut Alone)?;
             state.time = time + step;
             Ok(())
         })?;
