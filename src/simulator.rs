@@ -14,6 +14,9 @@ use std::sync::Arc;
 /// Relative deviation of the time of a call from the simulator's own that still counts as the same instant.
 const SAME_INSTANT: f64 = 1e-6;
 
+/// Internal steps of one communication step beyond which a call is a mistake of the caller and would seem to hang.
+const MOST_INTERNAL_STEPS: f64 = 1e6;
+
 /// One simulation. Steps allocate nothing once the models' step sizes are known; a failed call changes nothing.
 pub struct Simulator {
     model: Arc<Model>,
@@ -192,6 +195,14 @@ impl Simulator {
             return Err(Error::Step {
                 what: "communication step (finite and positive)",
                 expected: self.model.largest_step(),
+                found: step,
+            });
+        }
+        let longest = MOST_INTERNAL_STEPS * self.model.largest_step();
+        if step > longest {
+            return Err(Error::Step {
+                what: "communication step (at most a million internal steps)",
+                expected: longest,
                 found: step,
             });
         }
