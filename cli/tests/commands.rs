@@ -237,7 +237,6 @@ fn the_quick_paper_has_every_figure() {
 
 /// Figure 4 against the errors of an independent solver, digit by digit.
 #[test]
-#[ignore = "h = k = 1/256 takes half a minute in release"]
 fn errors_are_those_of_the_independent_solver() {
     let shell = Shell::new();
     shell.succeed(&["paper", "--out", "p"]);
