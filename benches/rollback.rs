@@ -17,7 +17,9 @@ fn simulator() -> Simulator {
     simulator.init(0.0).expect("a start that converges");
     for _ in 0..40 {
         let time = simulator.time();
-        simulator.do_step(time, 0.03125).expect("a step that converges");
+        simulator
+            .do_step(time, 0.03125)
+            .expect("a step that converges");
     }
     simulator
 }

@@ -215,7 +215,9 @@ impl Tangents {
                 &mut velocity.magnitude,
             );
             multiply(contact.s, &velocity.contact, &mut self.product);
-            for (force, (dr, product)) in velocity.force.iter_mut().zip(dr.iter().zip(&self.product)) {
+            for (force, (dr, product)) in
+                velocity.force.iter_mut().zip(dr.iter().zip(&self.product))
+            {
                 *force = dr - product;
             }
             body.correct(
@@ -367,7 +369,12 @@ impl FrictionTangent {
             Mat::from_fn(free.len(), free.len(), |i, j| {
                 let coupling = problem.s[(free[i], free[j])];
                 let is_same_node = i / c == j / c;
-                coupling + if is_same_node { blocks[i / c][i % c][j % c] } else { 0.0 }
+                coupling
+                    + if is_same_node {
+                        blocks[i / c][i % c][j % c]
+                    } else {
+                        0.0
+                    }
             })
         };
         let factor = (!free.is_empty()).then(|| matrix().partial_piv_lu());

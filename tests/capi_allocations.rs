@@ -67,8 +67,14 @@ fn stepping_and_rolling_back_allocate_nothing() {
                 assert_eq!(stickslip_save_state(sim, state), 0);
                 assert_eq!(stickslip_set_inputs(sim, &load, 1), 0);
                 assert_eq!(stickslip_do_step(sim, time, k), 0);
-                assert_eq!(stickslip_get_outputs(sim, outputs.as_mut_ptr(), outputs.len()), 0);
-                assert_eq!(stickslip_get(sim, 1, outputs.as_mut_ptr(), info.contact_nodes), 0);
+                assert_eq!(
+                    stickslip_get_outputs(sim, outputs.as_mut_ptr(), outputs.len()),
+                    0
+                );
+                assert_eq!(
+                    stickslip_get(sim, 1, outputs.as_mut_ptr(), info.contact_nodes),
+                    0
+                );
                 assert_eq!(stickslip_restore_state(sim, state), 0);
                 assert_eq!(stickslip_do_step(sim, time, k), 0);
                 let mut length = 0;

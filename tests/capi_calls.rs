@@ -32,16 +32,22 @@ fn call() -> impl Strategy<Value = Call> {
         1 => Just(0.0),
         1 => any::<f64>(),
     ];
-    (0..26_u8, 0..5_u8, 0..4_u8, 0..8_u8, value, prop::bool::weighted(0.05)).prop_map(
-        |(what, simulator, state, count, value, is_null)| Call {
+    (
+        0..26_u8,
+        0..5_u8,
+        0..4_u8,
+        0..8_u8,
+        value,
+        prop::bool::weighted(0.05),
+    )
+        .prop_map(|(what, simulator, state, count, value, is_null)| Call {
             what,
             simulator,
             state,
             count,
             value,
             is_null,
-        },
-    )
+        })
 }
 
 struct World {
@@ -66,8 +72,14 @@ impl World {
         // SAFETY: every handle lives as long as the test
         unsafe {
             let (mut model, mut foreign) = (null_mut(), null_mut());
-            assert_eq!(stickslip_model_compile(scene("[4, 2]").as_ptr(), &mut model), 0);
-            assert_eq!(stickslip_model_compile(scene("[6, 2]").as_ptr(), &mut foreign), 0);
+            assert_eq!(
+                stickslip_model_compile(scene("[4, 2]").as_ptr(), &mut model),
+                0
+            );
+            assert_eq!(
+                stickslip_model_compile(scene("[6, 2]").as_ptr(), &mut foreign),
+                0
+            );
             let mut simulators = [null_mut(); 4];
             for (i, simulator) in simulators.iter_mut().enumerate() {
                 let of = if i == 3 { foreign } else { model };
@@ -92,21 +104,47 @@ impl World {
     }
 
     fn make(&mut self, call: &Call) -> i32 {
-        let sim = *self.simulators.get(call.simulator as usize).unwrap_or(&null_mut());
+        let sim = *self
+            .simulators
+            .get(call.simulator as usize)
+            .unwrap_or(&null_mut());
         let state = *self.states.get(call.state as usize).unwrap_or(&null_mut());
-        let around = |right: usize| [right, right, right, right, 0, right + 1, right.saturating_sub(1), 3][call.count as usize];
-        let values = if call.is_null { null_mut() } else { self.buffer.as_mut_ptr() };
+        let around = |right: usize| {
+            [
+                right,
+                right,
+                right,
+                right,
+                0,
+                right + 1,
+                right.saturating_sub(1),
+                3,
+            ][call.count as usize]
+        };
+        let values = if call.is_null {
+            null_mut()
+        } else {
+            self.buffer.as_mut_ptr()
+        };
         let (v, n) = (call.value, u32::from(call.count));
         let mut length = 0_usize;
         // SAFETY: handles are live or NULL, buffers longer than any count passed
         unsafe {
             let mut time = 0.0;
-            let now = if stickslip_get_time(sim, &mut time) == 0 { time } else { 0.0 };
+            let now = if stickslip_get_time(sim, &mut time) == 0 {
+                time
+            } else {
+                0.0
+            };
             match call.what {
                 0 => stickslip_init(sim, v),
                 1 => {
                     let inputs = [v; 8];
-                    let from = if call.is_null { null() } else { inputs.as_ptr() };
+                    let from = if call.is_null {
+                        null()
+                    } else {
+                        inputs.as_ptr()
+                    };
                     stickslip_set_inputs(sim, from, around(1))
                 }
                 2..=5 => stickslip_do_step(sim, now, v.abs().min(0.1)),
@@ -123,7 +161,11 @@ impl World {
                 15 => {
                     let len = around(self.bytes.len());
                     self.bytes.resize(len.max(self.info.state_bytes), 0);
-                    let to = if call.is_null { null_mut() } else { self.bytes.as_mut_ptr() };
+                    let to = if call.is_null {
+                        null_mut()
+                    } else {
+                        self.bytes.as_mut_ptr()
+                    };
                     stickslip_serialize(sim, to, len, &mut length)
                 }
                 16 => {
@@ -133,21 +175,43 @@ impl World {
                 17 => {
                     let at = (v.to_bits() % self.bytes.len() as u64) as usize;
                     self.bytes[at] ^= 1;
-                    let code = stickslip_deserialize(sim, self.bytes.as_ptr(), self.info.state_bytes);
+                    let code =
+                        stickslip_deserialize(sim, self.bytes.as_ptr(), self.info.state_bytes);
                     self.bytes[at] ^= 1;
                     code
                 }
                 18 => {
                     let seed = [v; 8];
-                    stickslip_directional_derivative(sim, seed.as_ptr(), around(1), values, self.info.outputs)
+                    stickslip_directional_derivative(
+                        sim,
+                        seed.as_ptr(),
+                        around(1),
+                        values,
+                        self.info.outputs,
+                    )
                 }
                 19 => {
                     let seed = vec![v; self.info.outputs + 8];
-                    stickslip_adjoint_derivative(sim, seed.as_ptr(), around(self.info.outputs), values, 1)
+                    stickslip_adjoint_derivative(
+                        sim,
+                        seed.as_ptr(),
+                        around(self.info.outputs),
+                        values,
+                        1,
+                    )
                 }
                 20 => {
                     let (rows, node) = (&mut length, call.count as usize);
-                    stickslip_slip_history(sim, node, values, null_mut(), values, values, around(16), rows)
+                    stickslip_slip_history(
+                        sim,
+                        node,
+                        values,
+                        null_mut(),
+                        values,
+                        values,
+                        around(16),
+                        rows,
+                    )
                 }
                 21 => {
                     let mut copy = null_mut();
@@ -157,7 +221,10 @@ impl World {
                 }
                 22 => stickslip_reset(sim),
                 // a handle of another kind, and no handle
-                23 => stickslip_init(self.model.cast(), v) + stickslip_model_get_info(sim.cast(), null_mut()),
+                23 => {
+                    stickslip_init(self.model.cast(), v)
+                        + stickslip_model_get_info(sim.cast(), null_mut())
+                }
                 24 => stickslip_restore_state(sim, sim.cast()),
                 _ => {
                     let mut port = std::mem::zeroed();
@@ -172,9 +239,15 @@ impl World {
             let mut length = 0;
             // SAFETY: live handles, a buffer as long as said
             unsafe {
-                assert_eq!(stickslip_serialize(*simulator, null_mut(), 0, &mut length), 0);
+                assert_eq!(
+                    stickslip_serialize(*simulator, null_mut(), 0, &mut length),
+                    0
+                );
                 let mut bytes = vec![0; length];
-                assert_eq!(stickslip_serialize(*simulator, bytes.as_mut_ptr(), length, &mut length), 0);
+                assert_eq!(
+                    stickslip_serialize(*simulator, bytes.as_mut_ptr(), length, &mut length),
+                    0
+                );
                 bytes
             }
         };
@@ -184,7 +257,9 @@ impl World {
 
 #[test]
 fn no_sequence_of_calls_crashes_and_a_refused_call_changes_nothing() {
-    let asked = std::env::var("STICKSLIP_SEQUENCES").ok().and_then(|n| n.parse().ok());
+    let asked = std::env::var("STICKSLIP_SEQUENCES")
+        .ok()
+        .and_then(|n| n.parse().ok());
     let mut world = World::new();
     let mut codes = std::collections::BTreeMap::new();
     let config = Config {
@@ -204,8 +279,18 @@ fn no_sequence_of_calls_crashes_and_a_refused_call_changes_nothing() {
                 *codes.entry(code).or_insert(0_u64) += 1;
                 prop_assert!(code <= 1 && code >= -30, "code {}", code);
                 if code < 0 {
-                    prop_assert!(world.snapshot() == before, "{:?} changed a state: {}", call, code);
-                    prop_assert!(world.buffer.iter().all(|v| *v == MARK), "{:?} wrote: {}", call, code);
+                    prop_assert!(
+                        world.snapshot() == before,
+                        "{:?} changed a state: {}",
+                        call,
+                        code
+                    );
+                    prop_assert!(
+                        world.buffer.iter().all(|v| *v == MARK),
+                        "{:?} wrote: {}",
+                        call,
+                        code
+                    );
                 }
             }
             Ok(())

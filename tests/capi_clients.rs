@@ -23,14 +23,18 @@ fn root() -> &'static Path {
 }
 
 fn scratch(name: &str) -> PathBuf {
-    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("clients").join(name);
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR"))
+        .join("clients")
+        .join(name);
     std::fs::create_dir_all(&path).unwrap();
     path
 }
 
 /// Runs a command that must succeed; its standard output.
 fn run(command: &mut Command) -> String {
-    let output = command.output().unwrap_or_else(|e| panic!("{command:?}: {e}"));
+    let output = command
+        .output()
+        .unwrap_or_else(|e| panic!("{command:?}: {e}"));
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
     assert!(
         output.status.success(),
@@ -66,9 +70,22 @@ fn build(source: &Path, compiler: (&str, &str), options: &[&str], name: &str) ->
     let program = scratch("bin").join(name);
     let lib = prefix().join("lib");
     let mut command = Command::new(compiler.0);
-    command.args([compiler.1, "-g"]).args(STRICT).args(options).arg(source).arg("-o").arg(&program);
-    command.arg("-I").arg(prefix().join("include")).arg("-I").arg(root().join("examples_c"));
-    command.arg("-L").arg(&lib).args(["-lstickslip", "-lm", "-lpthread"]);
+    command
+        .args([compiler.1, "-g"])
+        .args(STRICT)
+        .args(options)
+        .arg(source)
+        .arg("-o")
+        .arg(&program);
+    command
+        .arg("-I")
+        .arg(prefix().join("include"))
+        .arg("-I")
+        .arg(root().join("examples_c"));
+    command
+        .arg("-L")
+        .arg(&lib)
+        .args(["-lstickslip", "-lm", "-lpthread"]);
     run(command.arg(format!("-Wl,-rpath,{}", lib.display())));
     program
 }
@@ -96,8 +113,17 @@ fn arguments(command: &mut Command, source: &str) {
 fn examples_build_without_a_warning_and_check_their_answers() {
     for source in EXAMPLES {
         for compiler in compilers(source) {
-            let program = build(&example(source), compiler, &[], &format!("{source}.{}", compiler.0));
-            print!("{source} ({}): {}", compiler.0, run(&mut prepared(&program, source)));
+            let program = build(
+                &example(source),
+                compiler,
+                &[],
+                &format!("{source}.{}", compiler.0),
+            );
+            print!(
+                "{source} ({}): {}",
+                compiler.0,
+                run(&mut prepared(&program, source))
+            );
         }
     }
 }
@@ -112,7 +138,9 @@ fn the_header_stands_alone_in_c99_and_cpp17() {
         ("clang++", "c++", "-std=c++17"),
     ] {
         let mut command = Command::new(compiler);
-        command.args([standard, "-fsyntax-only", "-x", language]).args(STRICT);
+        command
+            .args([standard, "-fsyntax-only", "-x", language])
+            .args(STRICT);
         run(command.arg("-include").arg(&header).arg("/dev/null"));
     }
 }
@@ -120,9 +148,16 @@ fn the_header_stands_alone_in_c99_and_cpp17() {
 #[test]
 fn valgrind_finds_nothing() {
     for source in EXAMPLES {
-        let program = build(&example(source), compilers(source)[0], &[], &format!("{source}.valgrind"));
+        let program = build(
+            &example(source),
+            compilers(source)[0],
+            &[],
+            &format!("{source}.valgrind"),
+        );
         let mut command = Command::new("valgrind");
-        command.args(["--quiet", "--leak-check=full", "--error-exitcode=9"]).arg(program);
+        command
+            .args(["--quiet", "--leak-check=full", "--error-exitcode=9"])
+            .arg(program);
         arguments(&mut command, source);
         run(&mut command);
     }
@@ -132,7 +167,12 @@ fn valgrind_finds_nothing() {
 fn sanitizers_find_nothing() {
     let options = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"];
     for source in EXAMPLES {
-        let program = build(&example(source), compilers(source)[0], &options, &format!("{source}.asan"));
+        let program = build(
+            &example(source),
+            compilers(source)[0],
+            &options,
+            &format!("{source}.asan"),
+        );
         run(&mut prepared(&program, source));
     }
 }
@@ -206,13 +246,18 @@ fn reference_trajectories_from_c_equal_those_from_rust() {
 #[test]
 fn the_shared_library_exports_its_interface_and_nothing_else() {
     let library = prefix().join("lib/libstickslip.so");
-    let symbols = run(Command::new("nm").args(["-D", "--defined-only"]).arg(library));
+    let symbols = run(Command::new("nm")
+        .args(["-D", "--defined-only"])
+        .arg(library));
     let header = std::fs::read_to_string(root().join("include/stickslip.h")).unwrap();
     let mut count = 0;
     for line in symbols.lines() {
         let name = line.split_whitespace().last().unwrap();
         assert!(name.starts_with("stickslip_"), "{name} is exported");
-        assert!(header.contains(&format!("{name}(")), "{name} is not in the header");
+        assert!(
+            header.contains(&format!("{name}(")),
+            "{name} is not in the header"
+        );
         count += 1;
     }
     assert!(count >= 25, "only {count} functions");
@@ -221,10 +266,16 @@ fn the_shared_library_exports_its_interface_and_nothing_else() {
 #[test]
 fn a_makefile_finds_the_library_by_pkg_config() {
     let out = scratch("pkg_config");
-    std::fs::copy(root().join("tests/c/pkg_config/Makefile"), out.join("Makefile")).unwrap();
+    std::fs::copy(
+        root().join("tests/c/pkg_config/Makefile"),
+        out.join("Makefile"),
+    )
+    .unwrap();
     let path = prefix().join("lib/pkgconfig");
     let mut make = Command::new("make");
-    make.current_dir(&out).env("PKG_CONFIG_PATH", path).arg("-B");
+    make.current_dir(&out)
+        .env("PKG_CONFIG_PATH", path)
+        .arg("-B");
     run(make.arg(format!("EXAMPLES={}", root().join("examples_c").display())));
     run(&mut Command::new(out.join("hello")));
 }
@@ -233,9 +284,16 @@ fn a_makefile_finds_the_library_by_pkg_config() {
 fn a_cmake_project_finds_the_package() {
     let out = scratch("cmake");
     let mut cmake = Command::new("cmake");
-    cmake.arg("-S").arg(root().join("tests/c/cmake")).arg("-B").arg(&out);
+    cmake
+        .arg("-S")
+        .arg(root().join("tests/c/cmake"))
+        .arg("-B")
+        .arg(&out);
     cmake.arg(format!("-DCMAKE_PREFIX_PATH={}", prefix().display()));
-    run(cmake.arg(format!("-DEXAMPLES={}", root().join("examples_c").display())));
+    run(cmake.arg(format!(
+        "-DEXAMPLES={}",
+        root().join("examples_c").display()
+    )));
     run(Command::new("cmake").arg("--build").arg(&out));
     for program in ["hello", "hello_static", "cosim"] {
         run(&mut Command::new(out.join(program)));

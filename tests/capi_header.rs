@@ -7,7 +7,15 @@ fn the_committed_header_is_up_to_date() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let config = cbindgen::Config::from_file(root.join("cbindgen.toml")).unwrap();
     let mut builder = cbindgen::Builder::new().with_config(config);
-    for source in ["error", "capi/mod", "capi/guard", "capi/model", "capi/simulator", "capi/state", "capi/derivative"] {
+    for source in [
+        "error",
+        "capi/mod",
+        "capi/guard",
+        "capi/model",
+        "capi/simulator",
+        "capi/state",
+        "capi/derivative",
+    ] {
         builder = builder.with_src(root.join(format!("src/{source}.rs")));
     }
     let mut fresh = Vec::new();
@@ -19,7 +27,10 @@ fn the_committed_header_is_up_to_date() {
     }
     let committed = std::fs::read_to_string(&path).unwrap_or_default();
     let difference = committed.lines().zip(fresh.lines()).find(|(a, b)| a != b);
-    assert!(committed == fresh, "include/stickslip.h is out of date, first at {difference:?}");
+    assert!(
+        committed == fresh,
+        "include/stickslip.h is out of date, first at {difference:?}"
+    );
 }
 
 /// What concerns the Rust side alone is left out: `# Safety` sections, which the conventions cover. The codes get their

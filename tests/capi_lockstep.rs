@@ -42,13 +42,19 @@ fn restored_deserialized_and_cloned_runs_stay_in_lockstep_for_1000_steps() {
         let bytes_of = |sim: *mut stickslip_simulator| {
             let mut bytes = vec![0; info.state_bytes];
             let mut length = 0;
-            assert_eq!(stickslip_serialize(sim, bytes.as_mut_ptr(), bytes.len(), &mut length), 0);
+            assert_eq!(
+                stickslip_serialize(sim, bytes.as_mut_ptr(), bytes.len(), &mut length),
+                0
+            );
             assert_eq!(length, bytes.len());
             bytes
         };
         let bytes = bytes_of(sims[0]);
         assert_eq!(stickslip_restore_state(sims[1], state), 0);
-        assert_eq!(stickslip_deserialize(sims[2], bytes.as_ptr(), bytes.len()), 0);
+        assert_eq!(
+            stickslip_deserialize(sims[2], bytes.as_ptr(), bytes.len()),
+            0
+        );
         assert_eq!(stickslip_clone(sims[0], &mut sims[3]), 0);
         for n in 20..1020 {
             for sim in sims {
@@ -67,7 +73,10 @@ fn restored_deserialized_and_cloned_runs_stay_in_lockstep_for_1000_steps() {
             }
         }
         // any damage is refused and changes nothing
-        for at in (0..bytes.len()).step_by(97).chain([0, 8, 16, bytes.len() - 1]) {
+        for at in (0..bytes.len())
+            .step_by(97)
+            .chain([0, 8, 16, bytes.len() - 1])
+        {
             let mut damaged = bytes.clone();
             damaged[at] ^= 0x10;
             let before = bytes_of(sims[0]);

@@ -31,7 +31,10 @@ fn a_loaded_model_is_the_compiled_one() {
         assert_eq!(loaded.certificate(), compiled.certificate());
         assert_eq!(loaded.summary(), compiled.summary());
         assert!(loaded.to_bytes() == bytes);
-        assert_eq!(compile(&scene).unwrap().fingerprint(), compiled.fingerprint());
+        assert_eq!(
+            compile(&scene).unwrap().fingerprint(),
+            compiled.fingerprint()
+        );
         let k = compiled.largest_step();
         let (mut a, mut b) = (started(compiled), started(Arc::new(loaded)));
         steps(&mut a, k, 5);
@@ -63,7 +66,10 @@ fn every_truncation_and_every_damaged_byte_is_refused() {
             let mut damaged = bytes.clone();
             damaged[at] ^= 1 << (at % 8);
             assert!(Model::from_bytes(&damaged).is_err(), "byte {at}");
-            assert!(Model::from_bytes(&bytes[..at]).is_err(), "truncated at {at}");
+            assert!(
+                Model::from_bytes(&bytes[..at]).is_err(),
+                "truncated at {at}"
+            );
         }
     }
 }

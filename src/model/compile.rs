@@ -1,12 +1,12 @@
 //! Scene -> Model, as one pipeline: mesh and assemble, order for elimination, choose what is kept of the body, certify.
 
+use super::Model;
 use super::body_model::BodyModel;
 use super::condensed::Condensed;
 use super::field::Field;
 use super::full::Full;
-use super::reduction::{Reduction, Synthesis, reduce};
 use super::parts::Parts;
-use super::Model;
+use super::reduction::{Reduction, Synthesis, reduce};
 use crate::error::{Error, Result};
 use crate::fem::Body;
 use crate::friction::Law;

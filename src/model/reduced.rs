@@ -134,7 +134,12 @@ impl Reduced {
     ///
     /// # Errors
     /// [`Error::Bytes`].
-    pub fn read(from: &mut Reader, contact: usize, loads: usize, outputs: usize) -> Result<Reduced> {
+    pub fn read(
+        from: &mut Reader,
+        contact: usize,
+        loads: usize,
+        outputs: usize,
+    ) -> Result<Reduced> {
         let rates = from.floats()?;
         Ok(Reduced {
             contact: from.matrix(contact, rates.len())?,
