@@ -55,7 +55,7 @@
 // Causality of a port: a coefficient of the friction law, may be set between steps.
 #define STICKSLIP_PARAMETER 2
 
-// Stable numeric codes of [`Error`], for C and the FMU.
+// Why a call failed. A code is never reused and keeps its meaning between versions.
 enum stickslip_code
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : int32_t

@@ -50,11 +50,13 @@ public:
     constexpr Span(C &container) noexcept : data_(container.data()), size_(container.size()) {}
     // Braces; they live until the end of the call.
     template <class U = T, class = std::enable_if_t<std::is_const_v<U>>>
-    constexpr Span(std::initializer_list<std::remove_const_t<T>> list) noexcept : data_(list.begin()), size_(list.size()) {}
+    constexpr Span(std::initializer_list<std::remove_const_t<T>> list) noexcept
+        : data_(first(list)), size_(list.size()) {}
     constexpr T *data() const noexcept { return data_; }
     constexpr std::size_t size() const noexcept { return size_; }
 
 private:
+    static constexpr T *first(std::initializer_list<std::remove_const_t<T>> list) noexcept { return list.begin(); }
     T *data_;
     std::size_t size_;
 };
