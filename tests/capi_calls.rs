@@ -277,7 +277,7 @@ fn no_sequence_of_calls_crashes_and_a_refused_call_changes_nothing() {
                 world.buffer.fill(MARK);
                 let code = world.make(call);
                 *codes.entry(code).or_insert(0_u64) += 1;
-                prop_assert!(code <= 1 && code >= -30, "code {}", code);
+                prop_assert!((-30..=1).contains(&code), "code {}", code);
                 if code < 0 {
                     prop_assert!(
                         world.snapshot() == before,
