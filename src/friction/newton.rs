@@ -7,10 +7,10 @@
 //! S + diag(omega g') along n,   S + diag(omega g / |w|) across n
 //! ```
 //!
-//! Where `g` decreases this may be indefinite; then `g'` is dropped, which is a Newton step of the frozen-bound
-//! problem, a majoriser of W (PHYSICS: the paper's Problem 7.4). A node that would reverse its direction stops at
-//! stick. A step must decrease W; when no step length does, one sweep of frozen-bound minimisations node by node
-//! follows, which can never increase W. The iteration stops on the residual of the friction law itself.
+//! Where `g` decreases this may be indefinite; then `g'` is dropped, which is a Newton step of the frozen-bound problem, a
+//! majoriser of W (the paper's Problem 7.4), and the step is lengthened while W decreases. A node that would reverse its
+//! direction stops at stick. A step must decrease W; when no step length does, a few sweeps of frozen-bound minimisations
+//! node by node follow, which can never increase W. The iteration stops on the residual of the friction law itself.
 //!
 //! After M. Stadler (SIOPT 2004) and Hueeber, Stadler, Wohlmuth (SISC 30, 2008) for the active sets.
 
@@ -35,6 +35,10 @@ pub struct Solution {
 const SUFFICIENT_DECREASE: f64 = 1e-4;
 /// Halvings of a Newton step before a sweep is taken instead.
 const HALVINGS: usize = 6;
+/// Doublings of a step of the frozen-bound problem.
+const DOUBLINGS: usize = 30;
+/// Sweeps taken in the place of a refused Newton step.
+const SWEEPS: usize = 4;
 /// Changes of W below this share of its terms are rounding, and the residual decides.
 const ENERGY_ROUNDING: f64 = 1e-13;
 
@@ -57,6 +61,8 @@ pub struct Workspace {
     rhs: Vec<f64>,
     unknowns: Vec<Unknown>,
     cholesky: DenseCholesky,
+    /// Whether the direction is that of the frozen-bound problem.
+    is_majorised: bool,
 }
 
 impl Workspace {
@@ -69,6 +75,7 @@ impl Workspace {
             rhs: vec![0.0; len],
             unknowns: Vec::with_capacity(len),
             cholesky: DenseCholesky::new(len),
+            is_majorised: false,
         }
     }
 
@@ -104,7 +111,9 @@ pub fn solve<L: FrictionLaw>(
     while residual > tolerance && iterations < max_iterations {
         iterations += 1;
         if !newton_step(problem, residual, ws) {
-            frozen_bound_sweep(problem, &mut ws.accepted);
+            for _ in 0..SWEEPS {
+                frozen_bound_sweep(problem, &mut ws.accepted);
+            }
             problem.complete(&mut ws.accepted);
         }
         (residual, node) = problem.residual(&ws.accepted);
@@ -126,8 +135,13 @@ fn newton_step<L: FrictionLaw>(
     ws: &mut Workspace,
 ) -> bool {
     list_unknowns(problem, &ws.accepted, &mut ws.unknowns);
-    if !solve_direction(problem, ws) {
-        return false;
+    loop {
+        if !solve_direction(problem, ws) {
+            return false;
+        }
+        if !drop_false_starts(problem, ws) {
+            break;
+        }
     }
     let rounding = ENERGY_ROUNDING * problem.energy_scale(&ws.accepted);
     let mut length = 1.0;
@@ -137,12 +151,31 @@ fn newton_step<L: FrictionLaw>(
         let change = problem.energy_change(&ws.accepted, &ws.trial);
         let is_decrease = predicted < 0.0 && change <= SUFFICIENT_DECREASE * predicted;
         if is_decrease || (change.abs() <= rounding && problem.residual(&ws.trial).0 < residual) {
+            if ws.is_majorised && length == 1.0 {
+                lengthen(problem, change, ws);
+            }
             std::mem::swap(&mut ws.accepted, &mut ws.trial);
             return true;
         }
         length *= 0.5;
     }
     false
+}
+
+/// Doubles the step while W decreases further: where W is not convex the majoriser makes steps far too short.
+fn lengthen<L: FrictionLaw>(problem: &ContactProblem<L>, change: f64, ws: &mut Workspace) {
+    let (mut length, mut best) = (1.0, change);
+    for _ in 0..DOUBLINGS {
+        advance(problem, 2.0 * length, ws);
+        problem.complete(&mut ws.trial);
+        let change = problem.energy_change(&ws.accepted, &ws.trial);
+        if change.is_nan() || change >= best {
+            break;
+        }
+        (length, best) = (2.0 * length, change);
+    }
+    advance(problem, length, ws);
+    problem.complete(&mut ws.trial);
 }
 
 /// The slipping nodes: those with a slip rate, and those at rest whose force exceeds their bound.
@@ -194,7 +227,8 @@ fn solve_direction<L: FrictionLaw>(problem: &ContactProblem<L>, ws: &mut Workspa
     if count == 0 {
         return false;
     }
-    if !factor(problem, false, ws) && !factor(problem, true, ws) {
+    ws.is_majorised = !factor(problem, false, ws);
+    if ws.is_majorised && !factor(problem, true, ws) {
         return false;
     }
     for (rhs, unknown) in ws.rhs.iter_mut().zip(&ws.unknowns) {
@@ -211,6 +245,19 @@ fn solve_direction<L: FrictionLaw>(problem: &ContactProblem<L>, ws: &mut Workspa
         }
     }
     true
+}
+
+/// Drops the nodes at rest that the direction would start backwards: they stay at rest while the others are solved again.
+/// Whether there were any.
+fn drop_false_starts<L: FrictionLaw>(problem: &ContactProblem<L>, ws: &mut Workspace) -> bool {
+    let (rates, step) = (&ws.accepted.rates, &ws.step);
+    let before = ws.unknowns.len();
+    ws.unknowns.retain(|unknown| {
+        let step = &step[problem.at(unknown.node)];
+        let forward: f64 = step.iter().zip(unknown.direction).map(|(s, n)| s * n).sum();
+        rates[unknown.node] > 0.0 || forward > 0.0
+    });
+    ws.unknowns.len() < before
 }
 
 /// Factors the second variation on the unknowns; with the bound frozen where it decreases, if asked.

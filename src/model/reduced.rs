@@ -145,7 +145,7 @@ impl Reduced {
     ) -> Result<Reduced> {
         let rates = from.floats()?;
         Ok(Reduced {
-            contact: from.matrix(contact, rates.len())?,
+            contact: from.matrix(rates.len(), contact)?,
             outputs: from.matrix(rates.len(), outputs)?,
             loads,
             rates,
