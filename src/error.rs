@@ -70,7 +70,7 @@ pub enum Error {
     Poisoned { what: String },
 }
 
-/// Stable numeric codes of [`Error`], for C and the FMU.
+/// Why a call failed. A code is never reused and keeps its meaning between versions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(i32)]
 pub enum ErrorCode {

@@ -1,36 +1,27 @@
 //! Derivatives of the outputs at the end of the last step by the inputs at its end: the consistent tangent.
 //!
 //! Every formula of the step is differentiated where the step was solved. All of them are linear in the tangents except
-//! the friction problem, whose tangent (`d` for the derivative along the seed, `n` the slip direction) is
-//!
-//! ```text
-//! sticking nodes:  dw = 0
-//! slipping nodes:  (S + D) dw = dr - omega g_s ds n,   D = omega [g' n n^T + (g / |w|) (I - n n^T)]
-//! dLambda = dr - S dw
-//! ```
-//!
-//! with `g'` the slope of the bound by the slip rate and `g_s` by the accumulated slip `s`. The last step is taken once
-//! more from the state before it, so that a step without derivatives costs nothing extra; the repeated step is the same
-//! bit for bit. Where a node is just about to change between stick and slip the outputs have a kink: the derivative
-//! is then that of the branch on which the step ended. A linear input enters with its share of the step, a held one
-//! with its jump at the beginning.
+//! the friction problem, whose tangent `dw` is `friction::tangent`'s and gives `dLambda = dr - S dw`. The last step is
+//! taken once more from the state before it, so that a step without derivatives costs nothing extra; the repeated step
+//! is the same bit for bit. Where a node is just about to change between stick and slip the outputs have a kink: the
+//! derivative is then that of the branch on which the step ended. A linear input enters with its share of the step, a
+//! held one with its jump at the beginning.
 
+use crate::companion::{Companion, StagePlace};
 use crate::error::{Error, Result};
-use crate::friction::law::FrictionLaw;
+use crate::friction::ContactProblem;
 use crate::friction::problem::norm;
-use crate::friction::{ContactProblem, Law};
+use crate::friction::tangent::FrictionTangent;
 use crate::linalg::multiply;
 use crate::model::{BodyModel, Model};
 use crate::ports::Quantity;
 use crate::qvi::MAX_STAGES;
 use crate::readout;
+use crate::record::{dot, explicit_part, integrate, interpolate_loads};
 use crate::scene::{Interpolation, Start};
 use crate::simulator::Simulator;
 use crate::state::{State, energy};
-use crate::step::{Companion, StagePlace, dot, explicit_part, integrate, interpolate_loads};
 use crate::workspace::{Explicit, Velocity, Workspace};
-use faer::Mat;
-use faer::linalg::solvers::{PartialPivLu, Solve};
 
 impl Simulator {
     /// Derivative of all outputs (as [`Simulator::get_outputs`] orders them) at the end of the last step by its inputs,
@@ -215,7 +206,9 @@ impl Tangents {
                 &mut velocity.magnitude,
             );
             multiply(contact.s, &velocity.contact, &mut self.product);
-            for (force, (dr, product)) in velocity.force.iter_mut().zip(dr.iter().zip(&self.product)) {
+            for (force, (dr, product)) in
+                velocity.force.iter_mut().zip(dr.iter().zip(&self.product))
+            {
                 *force = dr - product;
             }
             body.correct(
@@ -314,90 +307,4 @@ fn mixed_products(body: &dyn BodyModel, x: &[f64], y: &[f64], sum: &mut [f64]) -
     let (plus, minus) = (squares(1.0), squares(-1.0));
     let part = |plus: f64, minus: f64| (plus - minus) / (4.0 * scale);
     (part(plus.0, minus.0), part(plus.1, minus.1))
-}
-
-/// The tangent of the friction problem at its solution.
-struct FrictionTangent {
-    components: usize,
-    /// Places of the slipping components.
-    free: Vec<usize>,
-    /// Slip directions, all components; zero where nothing slips.
-    direction: Vec<f64>,
-    /// `omega g_s` of every node.
-    slip_slope: Vec<f64>,
-    factor: Option<PartialPivLu<f64>>,
-}
-
-impl FrictionTangent {
-    fn new(problem: &ContactProblem<Law>, w: &[f64]) -> FrictionTangent {
-        let c = problem.components;
-        let mut free = Vec::new();
-        let mut direction = vec![0.0; w.len()];
-        let mut slip_slope = vec![0.0; problem.nodes()];
-        // D, block by block of the slipping nodes
-        let mut blocks: Vec<[[f64; 2]; 2]> = Vec::new();
-        for node in 0..problem.nodes() {
-            let at = node * c;
-            let rate = norm(&w[at..at + c]);
-            // without a bound at rest a node at rest does not stick
-            if rate == 0.0 && problem.force_bound(node, 0.0) > 0.0 {
-                continue;
-            }
-            let path = problem.slip_path(node);
-            let weight = problem.weights[node];
-            let along = weight * problem.law.slope(node, rate, path);
-            let mut n = [0.0; 2];
-            let mut across = 0.0;
-            if rate > 0.0 {
-                slip_slope[node] = weight * problem.law.slip_slope(node, rate, path);
-                across = problem.force_bound(node, rate) / rate;
-                for p in 0..c {
-                    n[p] = w[at + p] / rate;
-                    direction[at + p] = n[p];
-                }
-            }
-            let entry = |p: usize, q: usize| {
-                let identity = f64::from(u8::from(p == q));
-                along * n[p] * n[q] + across * (identity - n[p] * n[q])
-            };
-            blocks.push([[entry(0, 0), entry(0, 1)], [entry(1, 0), entry(1, 1)]]);
-            free.extend(at..at + c);
-        }
-        let matrix = || {
-            Mat::from_fn(free.len(), free.len(), |i, j| {
-                let coupling = problem.s[(free[i], free[j])];
-                let is_same_node = i / c == j / c;
-                coupling + if is_same_node { blocks[i / c][i % c][j % c] } else { 0.0 }
-            })
-        };
-        let factor = (!free.is_empty()).then(|| matrix().partial_piv_lu());
-        FrictionTangent {
-            components: c,
-            free,
-            direction,
-            slip_slope,
-            factor,
-        }
-    }
-
-    /// Derivatives of slip rates and of their magnitudes, from those of the condensed load and of the accumulated slip.
-    fn apply(&self, dr: &[f64], slip: &[f64], dw: &mut [f64], magnitude: &mut [f64]) {
-        let c = self.components;
-        dw.fill(0.0);
-        if let Some(factor) = &self.factor {
-            let mut column = Mat::from_fn(self.free.len(), 1, |i, _| {
-                let at = self.free[i];
-                let node = at / c;
-                dr[at] - self.slip_slope[node] * slip[node] * self.direction[at]
-            });
-            factor.solve_in_place(&mut column);
-            for (i, &at) in self.free.iter().enumerate() {
-                dw[at] = column[(i, 0)];
-            }
-        }
-        let nodes = dw.chunks_exact(c).zip(self.direction.chunks_exact(c));
-        for (magnitude, (dw, n)) in magnitude.iter_mut().zip(nodes) {
-            *magnitude = dot(dw, n);
-        }
-    }
 }

@@ -1,16 +1,21 @@
 //! A simulator: one state of one model, driven by a master.
 
+use crate::companion::{Alone, Companion};
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::ports::Quantity;
 use crate::readout;
+use crate::record::record;
 use crate::state::{State, history_row, report};
-use crate::step::{self, Companion};
+use crate::step;
 use crate::workspace::Workspace;
 use std::sync::Arc;
 
 /// Relative deviation of the time of a call from the simulator's own that still counts as the same instant.
 const SAME_INSTANT: f64 = 1e-6;
+
+/// Internal steps of one communication step beyond which a call is a mistake of the caller and would seem to hang.
+const MOST_INTERNAL_STEPS: f64 = 1e6;
 
 /// One simulation. Steps allocate nothing once the models' step sizes are known; a failed call changes nothing.
 pub struct Simulator {
@@ -105,7 +110,7 @@ impl Simulator {
             state.needs_settling = 0;
             step::settle(model, state, ws)?;
             state.is_initialized = 1;
-            step::record(model, state);
+            record(model, state);
             Ok(())
         })
     }
@@ -193,6 +198,14 @@ impl Simulator {
                 found: step,
             });
         }
+        let longest = MOST_INTERNAL_STEPS * self.model.largest_step();
+        if step > longest {
+            return Err(Error::Step {
+                what: "communication step (at most a million internal steps)",
+                expected: longest,
+                found: step,
+            });
+        }
         let slack = SAME_INSTANT * step + 4.0 * f64::EPSILON * self.state.time.abs();
         let is_continuous = (time - self.state.time).abs() <= slack;
         if !is_continuous || time + step <= time {
@@ -203,7 +216,7 @@ impl Simulator {
             });
         }
         self.attempt(|model, state, ws| {
-            step::advance(model, state, ws, step, &mut step::Alone)?;
+            step::advance(model, state, ws, step, &mut Alone)?;
             state.time = time + step;
             Ok(())
         })?;
@@ -369,6 +382,17 @@ impl Simulator {
     pub fn solutions(&self) -> (f64, f64) {
         let report = &self.state.report;
         (report[report::SOLUTIONS], report[report::SOLUTION_GAP])
+    }
+
+    /// Keeps the iterates of the fixed-point solver from now on; steps then allocate.
+    pub fn keep_iterates(&mut self) {
+        self.workspace.fixed_point.keep_trace();
+    }
+
+    /// Iterates of the last stage that the fixed-point solver solved: slip rates (m/s) and forces on the foundation (N).
+    /// Empty unless kept.
+    pub fn iterates(&self) -> impl Iterator<Item = (&[f64], &[f64])> {
+        self.workspace.fixed_point.iterates()
     }
 
     /// Stage factorizations made so far: one per step size that was not among the last few.

@@ -147,7 +147,7 @@ impl Workspace {
         Workspace {
             stages: StageCache::new(model.body()),
             scratch: model.body().scratch(),
-            newton: newton::Workspace::new(len),
+            newton: newton::Workspace::new(nodes, len),
             fixed_point: FixedPointWorkspace::new(nodes, len),
             multiplicity: MultiplicityWorkspace::new(nodes, len),
             velocities: std::array::from_fn(|_| Velocity::new(model)),

@@ -135,3 +135,29 @@ fn wild_loads_and_steps() {
         assert!(value(&simulator, "solver.residual") <= 1e-10);
     }
 }
+
+/// An actuator that holds the tip on a course presses and relieves: most of the contact changes between stick and slip near
+/// the end. Every step converges, whatever the communication step.
+#[test]
+fn controlled_actuator() {
+    for inverse in [16_u32, 32, 64, 128, 256] {
+        let mut simulator = Simulator::new(stickslip::compile(&paper(32, &[])).unwrap());
+        simulator.set_inputs(&[0.0]).unwrap();
+        simulator.init(0.0).unwrap();
+        let h = 1.0 / f64::from(inverse);
+        let (mut pressure, mut integral) = (0.0, 0.0);
+        for i in 0..=2 * inverse {
+            let t = f64::from(i) * h;
+            let demand = 0.03 * (1.0 - (std::f64::consts::PI * t.min(1.0)).cos());
+            let error = demand - value(&simulator, "tip.displacement");
+            integral += h * error;
+            let command = -error - 8.0 * integral;
+            pressure = command + (pressure - command) * (-h / 0.05).exp();
+            simulator.set_inputs(&[pressure]).unwrap();
+            simulator
+                .do_step(t, h)
+                .unwrap_or_else(|e| panic!("step 1/{inverse}: {e}"));
+            assert!(value(&simulator, "solver.residual") <= 1e-10);
+        }
+    }
+}

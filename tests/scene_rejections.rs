@@ -179,7 +179,7 @@ fn ranges() {
     );
     assert_edits_refused(
         "seal",
-        &[("2e4", "-1", "contact.friction.bound", "-1", ">= 0")],
+        &[("8e4", "-1", "contact.friction.bound", "-1", ">= 0")],
     );
 }
 

@@ -1,1 +1,49 @@
-fn main() {}
+//! The command `stickslip`: runs, checks and draws scenes.
+
+mod arguments;
+mod check;
+mod closing;
+mod console;
+mod contact_table;
+mod course;
+mod failure;
+mod field;
+mod main_job;
+mod paper;
+mod pictures;
+mod run;
+mod run_pictures;
+mod source;
+mod vtk;
+
+use arguments::{Arguments, Command};
+use clap::Parser;
+use failure::Failure;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    match dispatch(&Arguments::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            console::warn(&failure.to_string());
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn dispatch(arguments: &Arguments) -> Result<(), Failure> {
+    match &arguments.command {
+        None => main_job::run(),
+        Some(Command::Run(options)) => run::run(options),
+        Some(Command::Check(choice)) => check::check(choice),
+        Some(Command::Example { name: None }) => {
+            let names: Vec<_> = stickslip::scene::example_names().collect();
+            console::say(&names.join("\n"))
+        }
+        Some(Command::Example { name: Some(name) }) => {
+            console::say(source::embedded(name)?.trim_end())
+        }
+        Some(Command::Schema) => console::say(&stickslip::scene::json_schema()),
+        Some(Command::Paper(options)) => paper::run(options),
+    }
+}

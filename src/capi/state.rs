@@ -1,7 +1,7 @@
 //! Saved states: in memory for rollback, as bytes for checkpoints.
 
 use super::STICKSLIP_OK;
-use super::guard::{Handle, free, give, handle, handle_mut, guarded, place, room, values};
+use super::guard::{Handle, free, give, guarded, handle, handle_mut, place, room, values};
 use super::simulator::{stickslip_simulator, with};
 use crate::error::{Error, Result};
 use crate::simulator::Simulator;

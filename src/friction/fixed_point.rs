@@ -26,6 +26,8 @@ pub struct FixedPoint {
 pub struct FixedPointWorkspace {
     bounds: Vec<f64>,
     force: Vec<f64>,
+    /// Slip rates and forces of the iterates of the last solve, one after the other; `None` unless asked for.
+    trace: Option<Vec<f64>>,
 }
 
 impl FixedPointWorkspace {
@@ -33,7 +35,20 @@ impl FixedPointWorkspace {
         FixedPointWorkspace {
             bounds: vec![0.0; nodes],
             force: vec![0.0; contact_len],
+            trace: None,
         }
+    }
+
+    /// Keeps the iterates of every solve from now on, for study; allocates.
+    pub fn keep_trace(&mut self) {
+        self.trace = Some(Vec::new());
+    }
+
+    /// Iterates of the last solve: slip rates (m/s) and contact forces Lambda (N). Empty unless kept.
+    pub fn iterates(&self) -> impl Iterator<Item = (&[f64], &[f64])> {
+        let n = self.force.len();
+        let trace = self.trace.as_deref().unwrap_or_default();
+        trace.chunks_exact(2 * n).map(move |pair| pair.split_at(n))
     }
 }
 
@@ -51,6 +66,9 @@ pub fn solve<L: FrictionLaw>(
     mut displacement_change: impl FnMut(&[f64], &[f64]) -> (f64, f64),
 ) -> Solution {
     own.force.copy_from_slice(previous_force);
+    if let Some(trace) = &mut own.trace {
+        trace.clear();
+    }
     let c = problem.components;
     let mut iterations = 0;
     let mut has_settled = false;
@@ -74,19 +92,23 @@ pub fn solve<L: FrictionLaw>(
             break;
         }
         let (mut change, mut size) = (0.0, 0.0);
-        for (i, (force, y)) in own.force.iter_mut().zip(ws.imbalance()).enumerate() {
+        for (i, (force, y)) in own.force.iter_mut().zip(&ws.accepted().y).enumerate() {
             // stress = force / weight, its L2 norm weighs the square by the weight
             let weight = problem.weights[i / c];
             change += (-y - *force).powi(2) / weight;
             size += force.powi(2) / weight;
             *force = -y;
         }
+        if let Some(trace) = &mut own.trace {
+            trace.extend_from_slice(w);
+            trace.extend_from_slice(&own.force);
+        }
         let (moved, displacement) = displacement_change(w, &own.force);
         has_settled = moved <= settings.tolerance * displacement
             && (settings.stop == FixedPointStop::Displacement
                 || change.sqrt() <= settings.tolerance * size.sqrt());
     }
-    let (residual, node) = problem.residual(w, ws.imbalance());
+    let (residual, node) = ws.residual_of(problem, w);
     Solution {
         iterations,
         residual,

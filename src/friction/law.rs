@@ -13,6 +13,17 @@ pub struct SlipPath {
     pub per_rate: f64,
 }
 
+/// All that a law says at one node and slip rate.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Evaluation {
+    /// Bound.
+    pub bound: f64,
+    /// Its derivative by the slip rate.
+    pub slope: f64,
+    /// Its integral over the slip rate.
+    pub potential: f64,
+}
+
 /// A friction bound `g >= 0` in Pa.
 pub trait FrictionLaw {
     /// Bound at contact node `node` and slip rate `rate >= 0` (m/s).
@@ -25,6 +36,15 @@ pub trait FrictionLaw {
     }
     /// Integral of the bound over the slip rate from 0 to `rate`, W/m^2.
     fn potential(&self, node: usize, rate: f64, slip: SlipPath) -> f64;
+
+    /// The three together; a law whose terms share work may say so.
+    fn evaluate(&self, node: usize, rate: f64, slip: SlipPath) -> Evaluation {
+        Evaluation {
+            bound: self.bound(node, rate, slip),
+            slope: self.slope(node, rate, slip),
+            potential: self.potential(node, rate, slip),
+        }
+    }
 }
 
 /// The laws a scene can name.
@@ -166,6 +186,25 @@ impl FrictionLaw for Law {
             Law::Exponential { a, .. } => a * rate,
         }
     }
+
+    fn evaluate(&self, node: usize, rate: f64, slip: SlipPath) -> Evaluation {
+        match *self {
+            // one exponential serves all three
+            Law::Exponential { a, b, alpha } if alpha > 0.0 => {
+                let decay = (-alpha * rate).exp_m1();
+                Evaluation {
+                    bound: a + (a - b) * decay,
+                    slope: -alpha * (a - b) * (1.0 + decay),
+                    potential: b * rate - (a - b) * decay / alpha,
+                }
+            }
+            _ => Evaluation {
+                bound: self.bound(node, rate, slip),
+                slope: self.slope(node, rate, slip),
+                potential: self.potential(node, rate, slip),
+            },
+        }
+    }
 }
 
 /// Bounds frozen node by node: the majorising problem of the paper's iteration (Problem 7.4).
@@ -219,6 +258,13 @@ mod tests {
                 let bound =
                     (law.potential(0, rate + d, AT) - law.potential(0, rate - d, AT)) / (2.0 * d);
                 assert!((bound - law.bound(0, rate, AT)).abs() <= 1e-6 * (1e-3 + bound.abs()));
+            }
+            for rate in [0.0, 1e-9, 1e-4, 0.01, 0.3, 50.0] {
+                let all = law.evaluate(0, rate, AT);
+                let close = |a: f64, b: f64| (a - b).abs() <= 1e-14 * (a.abs() + b.abs()) + 1e-17;
+                assert!(close(all.bound, law.bound(0, rate, AT)));
+                assert!(close(all.slope, law.slope(0, rate, AT)));
+                assert!(close(all.potential, law.potential(0, rate, AT)));
             }
             assert_eq!(law.potential(0, 0.0, AT), 0.0);
             assert!((law.bound(0, 0.0, AT) - law.static_bound()).abs() < 1e-15);

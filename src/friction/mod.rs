@@ -20,6 +20,7 @@ pub mod law;
 pub mod multiplicity;
 pub mod newton;
 pub mod problem;
+pub(crate) mod tangent;
 
 pub use law::{FrictionLaw, Law, SlipPath};
 pub use problem::ContactProblem;

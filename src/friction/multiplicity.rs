@@ -32,7 +32,7 @@ impl MultiplicityWorkspace {
         MultiplicityWorkspace {
             candidates: [vec![0.0; contact_len], vec![0.0; contact_len]],
             bounds: vec![0.0; nodes],
-            newton: Workspace::new(contact_len),
+            newton: Workspace::new(nodes, contact_len),
         }
     }
 }

@@ -1,6 +1,7 @@
-//! The contact problem of one stage, its residual and its step energy.
+//! The contact problem of one stage, and what holds at a trial point: forces, residual, step energy.
 
-use super::law::{FrictionLaw, SlipPath};
+use super::law::{Evaluation, FrictionLaw, SlipPath};
+use crate::linalg::multiply;
 use faer::MatRef;
 
 /// `S w + Lambda = r` with the friction law, on `nodes * components` tangential velocities (node by node).
@@ -21,6 +22,29 @@ pub struct ContactProblem<'a, L> {
     pub theta_k: f64,
 }
 
+/// Velocities of the contact and all that follows from them.
+pub struct Point {
+    /// Tangential velocities w.
+    pub w: Vec<f64>,
+    /// `S w - r`: minus the contact forces Lambda that the body asks for.
+    pub y: Vec<f64>,
+    /// Magnitude of the slip rate, one per node.
+    pub rates: Vec<f64>,
+    /// The law at every node, times the nodal weight: forces (N), their slopes (N s/m) and potentials (W).
+    pub law: Vec<Evaluation>,
+}
+
+impl Point {
+    pub fn new(nodes: usize, len: usize) -> Point {
+        Point {
+            w: vec![0.0; len],
+            y: vec![0.0; len],
+            rates: vec![0.0; nodes],
+            law: vec![Evaluation::default(); nodes],
+        }
+    }
+}
+
 /// A per-node quantity below this share of the largest one is measured against that share: a node that carries
 /// practically nothing must not dictate the stop.
 const SCALE_FLOOR: f64 = 1e-3;
@@ -30,6 +54,11 @@ impl<L: FrictionLaw> ContactProblem<'_, L> {
         self.weights.len()
     }
 
+    /// Range of the components of a node.
+    pub fn at(&self, node: usize) -> std::ops::Range<usize> {
+        node * self.components..(node + 1) * self.components
+    }
+
     pub fn slip_path(&self, node: usize) -> SlipPath {
         SlipPath {
             base: self.slip_base[node],
@@ -37,77 +66,98 @@ impl<L: FrictionLaw> ContactProblem<'_, L> {
         }
     }
 
-    /// Largest admissible nodal force `omega_i g_i(rate)`, N.
-    pub fn force_bound(&self, node: usize, rate: f64) -> f64 {
-        self.weights[node] * self.law.bound(node, rate, self.slip_path(node))
+    /// The law at a node, times its weight.
+    pub fn weighted_law(&self, node: usize, rate: f64) -> Evaluation {
+        let weight = self.weights[node];
+        let law = self.law.evaluate(node, rate, self.slip_path(node));
+        Evaluation {
+            bound: weight * law.bound,
+            slope: weight * law.slope,
+            potential: weight * law.potential,
+        }
+    }
+
+    /// Largest admissible nodal force at rest, N.
+    pub fn bound_at_rest(&self, node: usize) -> f64 {
+        self.weights[node] * self.law.bound(node, 0.0, self.slip_path(node))
+    }
+
+    /// Completes a point from its velocities.
+    pub fn complete(&self, point: &mut Point) {
+        multiply(self.s, &point.w, &mut point.y);
+        for (y, r) in point.y.iter_mut().zip(self.r) {
+            *y -= r;
+        }
+        for node in 0..self.nodes() {
+            let rate = norm(&point.w[self.at(node)]);
+            point.rates[node] = rate;
+            point.law[node] = self.weighted_law(node, rate);
+        }
     }
 
     /// Residual of the friction law: the largest over the nodes of the violated force divided by the forces that meet
-    /// there. `y` is `S w - r`; a node with `w = 0` violates by what exceeds its bound at rest.
-    /// Returns the residual and the node where it stands.
-    pub fn residual(&self, w: &[f64], y: &[f64]) -> (f64, usize) {
+    /// there. A node with `w = 0` violates by what exceeds its bound at rest. Returns the residual and its node.
+    pub fn residual(&self, point: &Point) -> (f64, usize) {
+        // forces that meet at a node: applied, of the body (S w = y + r), of friction
         let scale = |node: usize| {
-            let (at, to) = (node * self.components, (node + 1) * self.components);
-            let slip_rate = norm(&w[at..to]);
-            let applied = norm(&self.r[at..to]);
-            // S w = y + r
-            let body = (at..to)
-                .map(|i| (y[i] + self.r[i]).powi(2))
-                .sum::<f64>()
-                .sqrt();
-            applied + body + self.force_bound(node, slip_rate)
+            let mut body = [0.0; 2];
+            for (body, i) in body.iter_mut().zip(self.at(node)) {
+                *body = point.y[i] + self.r[i];
+            }
+            norm(&self.r[self.at(node)]) + norm(&body[..self.components]) + point.law[node].bound
         };
         let largest = (0..self.nodes()).map(scale).fold(0.0, f64::max);
         let mut worst = (0.0, 0);
         for node in 0..self.nodes() {
-            let violation = self.violation(node, w, y);
+            let violation = self.violation(node, point);
             if violation == 0.0 {
                 continue;
             }
             let relative = violation / scale(node).max(SCALE_FLOOR * largest);
             // NaN must not pass for converged
-            if relative > worst.0 || relative.is_nan() {
-                worst = (relative, node);
-            }
             if relative.is_nan() {
-                break;
+                return (relative, node);
+            }
+            if relative > worst.0 {
+                worst = (relative, node);
             }
         }
         worst
     }
 
     /// Violated force at a node, N.
-    fn violation(&self, node: usize, w: &[f64], y: &[f64]) -> f64 {
-        let (at, to) = (node * self.components, (node + 1) * self.components);
-        let slip_rate = norm(&w[at..to]);
-        let bound = self.force_bound(node, slip_rate);
-        if slip_rate == 0.0 {
-            let excess = norm(&y[at..to]) - bound;
+    fn violation(&self, node: usize, point: &Point) -> f64 {
+        let (rate, bound) = (point.rates[node], point.law[node].bound);
+        let y = &point.y[self.at(node)];
+        if rate == 0.0 {
+            let excess = norm(y) - bound;
             return if excess <= 0.0 { 0.0 } else { excess };
         }
-        (at..to)
-            .map(|i| (y[i] + bound * w[i] / slip_rate).powi(2))
-            .sum::<f64>()
-            .sqrt()
+        let mut violated = [0.0; 2];
+        for ((v, y), w) in violated.iter_mut().zip(y).zip(&point.w[self.at(node)]) {
+            *v = y + bound * (w / rate);
+        }
+        norm(&violated[..self.components])
     }
 
-    /// `W(trial) - W(w)`, with `y = S w - r` at both ends; written with differences so that it does not cancel.
-    pub fn energy_change(&self, w: &[f64], y: &[f64], trial: &[f64], trial_y: &[f64]) -> f64 {
-        let smooth: f64 = (0..w.len())
-            .map(|i| 0.5 * (trial[i] - w[i]) * (y[i] + trial_y[i]))
+    /// `W(to) - W(from)`, written with differences so that it does not cancel.
+    pub fn energy_change(&self, from: &Point, to: &Point) -> f64 {
+        let smooth: f64 = (0..from.w.len())
+            .map(|i| 0.5 * (to.w[i] - from.w[i]) * (from.y[i] + to.y[i]))
             .sum();
-        let c = self.components;
-        let friction: f64 = (0..self.nodes())
-            .map(|node| {
-                let path = self.slip_path(node);
-                let before = norm(&w[node * c..(node + 1) * c]);
-                let after = norm(&trial[node * c..(node + 1) * c]);
-                self.weights[node]
-                    * (self.law.potential(node, after, path)
-                        - self.law.potential(node, before, path))
-            })
+        let friction: f64 = from
+            .law
+            .iter()
+            .zip(&to.law)
+            .map(|(from, to)| to.potential - from.potential)
             .sum();
         smooth + friction
+    }
+
+    /// Magnitude of the terms of W.
+    pub fn energy_scale(&self, point: &Point) -> f64 {
+        let work: f64 = point.w.iter().zip(self.r).map(|(w, r)| (w * r).abs()).sum();
+        work + point.law.iter().map(|law| law.potential).sum::<f64>()
     }
 }
 

@@ -1,28 +1,11 @@
 //! Dense algebra on faer with preallocated scratch.
 
+use super::kernel::dot;
 use crate::error::{Error, Result};
 use dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt;
-use faer::linalg::matmul::matmul;
 use faer::reborrow::ReborrowMut;
-use faer::{Accum, ColMut, ColRef, Conj, Mat, MatMut, MatRef, Par};
-
-/// `y = a x`.
-pub fn multiply(a: MatRef<f64>, x: &[f64], y: &mut [f64]) {
-    matmul(
-        ColMut::from_slice_mut(y),
-        Accum::Replace,
-        a,
-        ColRef::from_slice(x),
-        1.0,
-        Par::Seq,
-    );
-}
-
-/// `y = a^T x`.
-pub fn multiply_transposed(a: MatRef<f64>, x: &[f64], y: &mut [f64]) {
-    multiply(a.transpose(), x, y);
-}
+use faer::{Mat, MatMut, MatRef, Par};
 
 /// Cholesky factorization of symmetric positive definite matrices of any order up to a largest one.
 pub struct DenseCholesky {
@@ -36,27 +19,24 @@ impl DenseCholesky {
     pub fn new(capacity: usize) -> DenseCholesky {
         let factor =
             llt::factor::cholesky_in_place_scratch::<f64>(capacity, Par::Seq, Default::default());
-        let solve = llt::solve::solve_in_place_scratch::<f64>(capacity, 1, Par::Seq);
         let inverse = llt::inverse::inverse_scratch::<f64>(capacity, Par::Seq);
         DenseCholesky {
             values: vec![0.0; capacity * capacity],
             order: 0,
-            scratch: MemBuffer::new(factor.or(solve).or(inverse)),
+            scratch: MemBuffer::new(factor.or(inverse)),
         }
     }
 
-    /// Factors the matrix of order `order` with the given lower triangle; false when it is not positive definite.
-    pub fn factor(&mut self, order: usize, entry: impl Fn(usize, usize) -> f64) -> bool {
+    /// Factors the matrix of order `order`; `fill(j, column)` writes rows `j..order` of column j, into `column`. False when
+    /// the matrix is not positive definite.
+    pub fn factor(&mut self, order: usize, mut fill: impl FnMut(usize, &mut [f64])) -> bool {
         self.order = order;
+        let values = &mut self.values[..order * order];
         for j in 0..order {
-            for i in j..order {
-                self.values[j * order + i] = entry(i, j);
-            }
+            fill(j, &mut values[j * order + j..(j + 1) * order]);
         }
-        let lower =
-            MatMut::from_column_major_slice_mut(&mut self.values[..order * order], order, order);
         llt::factor::cholesky_in_place(
-            lower,
+            MatMut::from_column_major_slice_mut(values, order, order),
             Default::default(),
             Par::Seq,
             MemStack::new(&mut self.scratch),
@@ -68,14 +48,19 @@ impl DenseCholesky {
     /// Solves in place with the last factored matrix.
     pub fn solve(&mut self, rhs: &mut [f64]) {
         let n = self.order;
-        let factor = MatRef::from_column_major_slice(&self.values[..n * n], n, n);
-        llt::solve::solve_in_place_with_conj(
-            factor,
-            Conj::No,
-            ColMut::from_slice_mut(rhs).as_mat_mut(),
-            Par::Seq,
-            MemStack::new(&mut self.scratch),
-        );
+        for j in 0..n {
+            let column = &self.values[j * n + j..(j + 1) * n];
+            let (head, tail) = rhs[j..].split_at_mut(1);
+            head[0] /= column[0];
+            for (x, l) in tail.iter_mut().zip(&column[1..]) {
+                *x -= l * head[0];
+            }
+        }
+        for j in (0..n).rev() {
+            let column = &self.values[j * n + j..(j + 1) * n];
+            let (head, tail) = rhs[j..].split_at_mut(1);
+            head[0] = (head[0] - dot(&column[1..], tail)) / column[0];
+        }
     }
 
     /// Inverse of the last factored matrix, exactly symmetric.

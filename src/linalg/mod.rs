@@ -1,7 +1,9 @@
 //! The few dense and sparse operations the rest is written in, on one thread and without hidden allocations.
 
 mod dense;
+mod kernel;
 mod sparse;
 
-pub use dense::{DenseCholesky, mirror_lower, multiply, multiply_transposed, symmetric_eigen};
+pub use dense::{DenseCholesky, mirror_lower, symmetric_eigen};
+pub use kernel::{column, dot, multiply, multiply_transposed};
 pub use sparse::SparseCholesky;

@@ -1,12 +1,12 @@
 //! Scene -> Model, as one pipeline: mesh and assemble, order for elimination, choose what is kept of the body, certify.
 
+use super::Model;
 use super::body_model::BodyModel;
 use super::condensed::Condensed;
 use super::field::Field;
 use super::full::Full;
-use super::reduction::{Reduction, Synthesis, reduce};
 use super::parts::Parts;
-use super::Model;
+use super::reduction::{Reduction, Synthesis, reduce};
 use crate::error::{Error, Result};
 use crate::fem::Body;
 use crate::friction::Law;
@@ -136,6 +136,6 @@ fn keep(scene: &Scene, body: &Body, cholesky: &SparseCholesky) -> Result<Kept> {
 /// Compares the multiplications of a step: two passes over the port matrix, or over the factor and once over B.
 fn is_reduction_cheaper(reduction: &Reduction, body: &Body, cholesky: &SparseCholesky) -> bool {
     let reduced = &reduction.reduced;
-    let ports = reduced.contact.nrows() + reduced.outputs.ncols();
+    let ports = reduced.contact.ncols() + reduced.outputs.ncols();
     2 * ports * reduced.rates.len() < 2 * (cholesky.len() + body.operators.row_idx.len())
 }

@@ -47,9 +47,11 @@ impl BodyModel for Full {
                 .copy_from(columns.as_ref().subrows(n - m, m));
         }
         // symmetric up to rounding: the mean of the two halves
-        let is_definite = scratch
-            .dense
-            .factor(m, |i, j| 0.5 * (compliance[(i, j)] + compliance[(j, i)]));
+        let is_definite = scratch.dense.factor(m, |j, column| {
+            for (i, entry) in (j..).zip(column) {
+                *entry = 0.5 * (compliance[(i, j)] + compliance[(j, i)]);
+            }
+        });
         if !is_definite {
             return Err(Error::NotPositiveDefinite {
                 what: "the contact compliance",

@@ -12,8 +12,7 @@ mod reduction;
 mod synthesis;
 mod transfer;
 
-pub use body_model::BodyModel;
-pub(crate) use body_model::{Scratch, StageCache};
+pub use body_model::{BodyModel, Scratch, Stage, StageCache};
 pub use compile::{Compilation, compile};
 pub use reduction::ReductionRecord;
 

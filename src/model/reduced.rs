@@ -6,15 +6,15 @@
 use super::body_model::{BodyModel, Scratch, Stage};
 use crate::bytes::{Reader, Writer};
 use crate::error::{Error, Result};
-use crate::linalg::{DenseCholesky, multiply, multiply_transposed};
+use crate::linalg::{DenseCholesky, column as column_of, multiply, multiply_transposed};
 use dyn_stack::{MemBuffer, StackReq};
 use faer::linalg::matmul::triangular::{BlockStructure, matmul};
-use faer::{Accum, Mat, MatMut, Par};
+use faer::{Accum, Mat, MatMut, MatRef, Par};
 
 pub struct Reduced {
     /// Relaxation rates, 1/s, ascending.
     pub rates: Vec<f64>,
-    /// Contact velocities of every mode: contact length x states.
+    /// Contact velocities of every mode: states x contact length.
     pub contact: Mat<f64>,
     /// Loads, then probes, of every mode: states x outputs.
     pub outputs: Mat<f64>,
@@ -28,7 +28,7 @@ impl BodyModel for Reduced {
     }
 
     fn contact_len(&self) -> usize {
-        self.contact.nrows()
+        self.contact.ncols()
     }
 
     fn factor_len(&self) -> usize {
@@ -53,25 +53,28 @@ impl BodyModel for Reduced {
             *d = 1.0 / (1.0 + theta_k * rate);
         }
         let (compliance, scaled) = scratch.matrix.split_at_mut(m * m);
-        for (j, column) in scaled.chunks_exact_mut(m).enumerate() {
-            let root = stage.factor[j].sqrt();
-            for (i, value) in column.iter_mut().enumerate() {
-                *value = self.contact[(i, j)] * root;
+        for (j, column) in scaled.chunks_exact_mut(r).enumerate() {
+            let port = column_of(self.contact.as_ref(), j);
+            for ((to, from), d) in column.iter_mut().zip(port).zip(&stage.factor) {
+                *to = from * d;
             }
         }
-        let scaled = faer::MatRef::from_column_major_slice(scaled, m, r);
+        let scaled = MatRef::from_column_major_slice(scaled, r, m);
         matmul(
             MatMut::from_column_major_slice_mut(compliance, m, m),
             BlockStructure::TriangularLower,
             Accum::Replace,
-            scaled,
+            self.contact.transpose(),
             BlockStructure::Rectangular,
-            scaled.transpose(),
+            scaled,
             BlockStructure::Rectangular,
             1.0,
             Par::Seq,
         );
-        if !scratch.dense.factor(m, |i, j| compliance[j * m + i]) {
+        let compliance = &*compliance;
+        if !scratch.dense.factor(m, |j, column| {
+            column.copy_from_slice(&compliance[j * m + j..(j + 1) * m]);
+        }) {
             return Err(Error::NotPositiveDefinite {
                 what: "the contact compliance",
                 pivot: 0,
@@ -87,7 +90,7 @@ impl BodyModel for Reduced {
         for (j, free) in scratch.free.iter_mut().enumerate() {
             *free = (*free - self.rates[j] * p[j]) * stage.factor[j];
         }
-        multiply(self.contact.as_ref(), &scratch.free, &mut scratch.contact);
+        multiply_transposed(self.contact.as_ref(), &scratch.free, &mut scratch.contact);
         multiply(stage.s.as_ref(), &scratch.contact, r);
     }
 
@@ -99,7 +102,7 @@ impl BodyModel for Reduced {
         w: &mut [f64],
         scratch: &mut Scratch,
     ) {
-        multiply_transposed(self.contact.as_ref(), contact_force, w);
+        multiply(self.contact.as_ref(), contact_force, w);
         for (j, w) in w.iter_mut().enumerate() {
             *w = scratch.free[j] - *w * stage.factor[j];
         }
@@ -118,7 +121,7 @@ impl BodyModel for Reduced {
     }
 
     fn bytes(&self) -> usize {
-        let numbers = self.rates.len() * (1 + self.contact.nrows() + self.outputs.ncols());
+        let numbers = self.rates.len() * (1 + self.contact.ncols() + self.outputs.ncols());
         numbers * std::mem::size_of::<f64>()
     }
 
@@ -134,10 +137,15 @@ impl Reduced {
     ///
     /// # Errors
     /// [`Error::Bytes`].
-    pub fn read(from: &mut Reader, contact: usize, loads: usize, outputs: usize) -> Result<Reduced> {
+    pub fn read(
+        from: &mut Reader,
+        contact: usize,
+        loads: usize,
+        outputs: usize,
+    ) -> Result<Reduced> {
         let rates = from.floats()?;
         Ok(Reduced {
-            contact: from.matrix(contact, rates.len())?,
+            contact: from.matrix(rates.len(), contact)?,
             outputs: from.matrix(rates.len(), outputs)?,
             loads,
             rates,

@@ -147,7 +147,7 @@ fn project(
     let contact_len = ports.contact_len;
     Ok(Reduction {
         reduced: Reduced {
-            contact: seen.as_ref().subcols(0, contact_len).transpose().to_owned(),
+            contact: seen.as_ref().subcols(0, contact_len).to_owned(),
             outputs: seen
                 .as_ref()
                 .subcols(contact_len, m - contact_len)
@@ -246,7 +246,7 @@ impl Reduction {
             let root = 1.0 / (c + d * rate / reference_rate).sqrt();
             for i in 0..m {
                 let port = if i < contact_len {
-                    self.reduced.contact[(i, j)]
+                    self.reduced.contact[(j, i)]
                 } else {
                     self.reduced.outputs[(j, i - contact_len)]
                 };

@@ -1,0 +1,79 @@
+//! The command line.
+
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+
+/// Frictional contact of a viscoelastic body, stepped through the interface a master uses.
+///
+/// Without a command it does the main job: steps the example of Kazmi et al. (2014) with default settings, prints the
+/// results beside the paper's figures and writes data and pictures into `out`.
+#[derive(Parser)]
+#[command(name = "stickslip", version)]
+pub struct Arguments {
+    #[command(subcommand)]
+    pub command: Option<Command>,
+}
+
+#[derive(Subcommand)]
+pub enum Command {
+    /// Step a scene on its own signals; a load without a signal keeps its start value.
+    Run(RunOptions),
+    /// Validate a scene; print its ports, the certificate of uniqueness and the step to choose.
+    Check(SceneChoice),
+    /// Print an embedded example, or without a name list them.
+    Example { name: Option<String> },
+    /// Print the JSON Schema of scenes.
+    Schema,
+    /// Reproduce section 7 of Kazmi et al. (2014): Figures 3 to 7 and the reported numbers.
+    Paper(PaperOptions),
+}
+
+#[derive(Args)]
+pub struct SceneChoice {
+    /// A scene file, or the name of an embedded example (kazmi2014 is the paper's).
+    pub scene: String,
+    /// Replace a value of the scene, e.g. contact.friction.alpha=50 or loads[0].start=1; may be repeated.
+    #[arg(long = "set", value_name = "PATH=VALUE", value_parser = parse_override)]
+    pub overrides: Vec<(String, String)>,
+}
+
+#[derive(Args)]
+pub struct RunOptions {
+    #[command(flatten)]
+    pub choice: SceneChoice,
+    /// End of the run, s [default: run.until of the scene].
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    pub until: Option<f64>,
+    /// Communication step, s [default: run.step of the scene, else time.step]; cut into internal steps no larger than time.step.
+    #[arg(long, value_name = "H", allow_negative_numbers = true)]
+    pub step: Option<f64>,
+    /// Write one row per communication point and contact node; nodes are numbered from 0.
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+    /// Write the deformed body at every communication point (legacy VTK, with a .vtk.series index for ParaView).
+    #[arg(long, value_name = "DIR")]
+    pub vtk: Option<PathBuf>,
+    /// Draw slip rate and stress along the contact, the stick-slip map and the energies (PNG and SVG).
+    #[arg(long, value_name = "DIR")]
+    pub plots: Option<PathBuf>,
+    /// Run an explicit scheme beyond its stability limit all the same.
+    #[arg(long)]
+    pub force: bool,
+}
+
+#[derive(Args)]
+pub struct PaperOptions {
+    /// Folder for data and pictures.
+    #[arg(long, value_name = "DIR", default_value = "out/paper")]
+    pub out: PathBuf,
+    /// Measure the errors against h = k = 1/64 instead of 1/256.
+    #[arg(long)]
+    pub quick: bool,
+}
+
+fn parse_override(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((path, value)) if !path.is_empty() => Ok((path.to_owned(), value.to_owned())),
+        _ => Err("expected PATH=VALUE, e.g. contact.friction.alpha=50".to_owned()),
+    }
+}

@@ -1,0 +1,232 @@
+//! The closing table of a run: what was compiled, what guarantees it, what it cost and how well it was solved.
+
+use crate::course::{Effort, Frame};
+use comfy_table::{LineStyle, Table, TableStyle, presets};
+use std::time::Duration;
+use stickslip::Model;
+use stickslip::model::Summary;
+use stickslip::scene::ModelKind;
+
+/// What is watched along the way.
+pub struct Closing {
+    setup: Duration,
+    /// Largest energy turned over so far, J.
+    turnover: f64,
+    /// Largest error of the energy balance, J.
+    balance: f64,
+    /// Least and most of the contact that stuck, by nodes.
+    stick: (f64, f64),
+    /// Largest slip rate, m/s, and when.
+    fastest: (f64, f64),
+    end: f64,
+}
+
+impl Closing {
+    pub fn new(setup: Duration) -> Closing {
+        Closing {
+            setup,
+            turnover: 0.0,
+            balance: 0.0,
+            stick: (1.0, 0.0),
+            fastest: (0.0, 0.0),
+            end: 0.0,
+        }
+    }
+
+    /// Takes a communication point into account.
+    pub fn watch(&mut self, frame: &Frame) {
+        let e = &frame.energy;
+        let turned = e
+            .external_work
+            .abs()
+            .max(e.elastic + e.viscous + e.friction);
+        self.turnover = self.turnover.max(turned);
+        self.balance = self.balance.max(e.balance_error.abs());
+        let share = frame.stick.iter().sum::<f64>() / frame.stick.len().max(1) as f64;
+        self.stick = (self.stick.0.min(share), self.stick.1.max(share));
+        let components = frame.slip_rate.len() / frame.stick.len().max(1);
+        let rates = frame.slip_rate.chunks(components.max(1));
+        let rate = rates
+            .map(|w| w.iter().map(|v| v * v).sum::<f64>().sqrt())
+            .fold(0.0, f64::max);
+        if rate > self.fastest.0 {
+            self.fastest = (rate, frame.time);
+        }
+        self.end = frame.time;
+    }
+
+    /// Energy balance relative to the energy turned over.
+    fn relative_balance(&self) -> f64 {
+        if self.turnover > 0.0 {
+            self.balance / self.turnover
+        } else {
+            self.balance
+        }
+    }
+
+    pub fn table(&self, model: &Model, effort: &Effort) -> String {
+        let summary = model.summary();
+        let mut rows = compiled(summary, model);
+        rows.extend(certificate(model));
+        let per_step = effort.stepping.as_secs_f64() / effort.internal_steps.max(1) as f64;
+        rows.push((
+            "set-up",
+            format!("{:.2} ms", 1e3 * self.setup.as_secs_f64()),
+        ));
+        rows.push((
+            "steps",
+            format!(
+                "{} to t = {} s, {:.4} ms each ({:.2} ms in all)",
+                effort.internal_steps,
+                self.end,
+                1e3 * per_step,
+                1e3 * effort.stepping.as_secs_f64()
+            ),
+        ));
+        rows.push((
+            "friction iterations",
+            format!(
+                "mean {:.2} per step, most {} in a communication step",
+                effort.mean_iterations(),
+                effort.most_iterations()
+            ),
+        ));
+        rows.push((
+            "friction residual",
+            format!("{:.1e} at most", effort.residual),
+        ));
+        rows.push((
+            "energy balance",
+            format!(
+                "{:.1e} of the energy turned over, {:.3e} J",
+                self.relative_balance(),
+                self.turnover
+            ),
+        ));
+        rows.push((
+            "contact",
+            format!(
+                "{:.0} % to {:.0} % of the nodes stick; fastest slip {:.3e} m/s at t = {} s",
+                100.0 * self.stick.0,
+                100.0 * self.stick.1,
+                self.fastest.0,
+                self.fastest.1
+            ),
+        ));
+        two_columns(&summary.name, rows)
+    }
+}
+
+/// What was compiled.
+pub fn compiled(summary: &Summary, model: &Model) -> Vec<(&'static str, String)> {
+    let mut rows = vec![
+        (
+            "mesh",
+            format!(
+                "{} nodes, {} cells, {}D",
+                summary.mesh_nodes, summary.mesh_cells, summary.dimension
+            ),
+        ),
+        (
+            "dofs",
+            format!(
+                "{} free ({} counted with contact multipliers)",
+                summary.free_dofs, summary.dofs_with_multipliers
+            ),
+        ),
+        ("contact nodes", model.contact().node_count().to_string()),
+        (
+            "model",
+            format!(
+                "{}, {} states, {} kB",
+                kind(summary.kind),
+                model.states(),
+                summary.bytes.div_ceil(1024)
+            ),
+        ),
+    ];
+    if let Some(record) = &summary.reduction {
+        let shifts: Vec<_> = record.shifts.iter().map(|s| format!("{s:.3}")).collect();
+        rows.push((
+            "reduction",
+            format!(
+                "shifts {} 1/s; relative error {:.1e}",
+                shifts.join(", "),
+                record.achieved
+            ),
+        ));
+    }
+    rows
+}
+
+/// The certificate in two rows, and the stability limit where there is one.
+pub fn certificate(model: &Model) -> Vec<(&'static str, String)> {
+    let c = model.certificate();
+    let verdict = |holds: bool, relation: &str| {
+        let word = if holds { "unique" } else { "not guaranteed" };
+        format!("{word}: {relation}")
+    };
+    let (product, sign) = (
+        c.c0_squared * c.l_g,
+        if c.is_theorem_satisfied() { "<" } else { ">=" },
+    );
+    let sharp = if c.is_step_unique() { ">" } else { "<=" };
+    let mut rows = vec![
+        (
+            "Theorem 5.3",
+            verdict(
+                c.is_theorem_satisfied(),
+                &format!("c0² L_g = {product:.4} {sign} m_A = {:.4} Pa s", c.m_a),
+            ),
+        ),
+        (
+            "step",
+            verdict(
+                c.is_step_unique(),
+                &format!(
+                    "{:.4} {sharp} L_g = {:.4} Pa s/m at {} s",
+                    c.sharp_step,
+                    c.l_g,
+                    model.largest_step()
+                ),
+            ),
+        ),
+    ];
+    if let Some(limit) = model.stability_limit() {
+        rows.push(("stability limit", format!("{limit:.6} s")));
+    }
+    rows
+}
+
+/// Name of a kind of model, as scenes write it.
+fn kind(kind: ModelKind) -> &'static str {
+    match kind {
+        ModelKind::Full => "full",
+        ModelKind::Condensed => "condensed",
+        ModelKind::Reduced => "reduced",
+        ModelKind::Auto => "auto",
+    }
+}
+
+/// A table of names and values under a title.
+pub fn two_columns(title: &str, rows: Vec<(&'static str, String)>) -> String {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING);
+    for (name, value) in rows {
+        table.add_row(vec![name.to_owned(), value]);
+    }
+    format!("{title}\n{}", trimmed(&table))
+}
+
+/// Lines above and below the header and at the end.
+pub const RULED: TableStyle = TableStyle::new()
+    .top_border(RULE)
+    .header_separator(RULE)
+    .bottom_border(RULE);
+const RULE: LineStyle = LineStyle::none().fill('─').junction('─');
+
+/// The lines of a table without trailing blanks.
+pub fn trimmed(table: &Table) -> String {
+    let lines: Vec<_> = table.lines().map(|l| l.trim_end().to_owned()).collect();
+    lines.join("\n")
+}

@@ -1,0 +1,33 @@
+//! What goes to the terminal: results on stdout, remarks on stderr, progress bars only where someone looks.
+
+use crate::failure::Failure;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::io::{ErrorKind, IsTerminal, Write};
+
+/// Prints lines of results. A reader that has closed its end has seen enough: the work goes on without it.
+pub fn say(text: &str) -> Result<(), Failure> {
+    let mut out = std::io::stdout().lock();
+    match writeln!(out, "{text}").and_then(|()| out.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Failure::Output(error)),
+        _ => Ok(()),
+    }
+}
+
+/// Prints a remark or an error; where stderr is closed there is nobody to tell.
+pub fn warn(text: &str) {
+    let _ = writeln!(std::io::stderr().lock(), "stickslip: {text}");
+}
+
+/// A progress bar of `steps`, invisible unless stderr is a terminal.
+pub fn bar(steps: u64, what: &str) -> ProgressBar {
+    let target = if std::io::stderr().is_terminal() {
+        ProgressDrawTarget::stderr()
+    } else {
+        ProgressDrawTarget::hidden()
+    };
+    let style = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} {eta}")
+        .unwrap_or_else(|_| ProgressStyle::default_bar());
+    ProgressBar::with_draw_target(Some(steps), target)
+        .with_style(style)
+        .with_message(what.to_owned())
+}

@@ -1,0 +1,166 @@
+//! The course of a scene: its simulator, stepped from communication point to communication point on the scene's signals.
+
+use crate::failure::Failure;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+use stickslip::Simulator;
+use stickslip::scene::Scene;
+
+/// The contact and the energies at one communication point. Contact arrays go node by node, components inner.
+#[derive(Debug, Clone)]
+pub struct Frame {
+    pub time: f64,
+    pub slip_rate: Vec<f64>,
+    pub slip: Vec<f64>,
+    pub accumulated_slip: Vec<f64>,
+    pub tangential_stress: Vec<f64>,
+    /// 1 where a node sticks.
+    pub stick: Vec<f64>,
+    pub energy: Energy,
+}
+
+/// Energies since the start, J.
+#[derive(Debug, Clone, Copy)]
+pub struct Energy {
+    pub external_work: f64,
+    pub elastic: f64,
+    pub viscous: f64,
+    pub friction: f64,
+    pub balance_error: f64,
+}
+
+/// What the steps took.
+#[derive(Debug, Clone, Default)]
+pub struct Effort {
+    /// Friction iterations of every communication step.
+    pub iterations: Vec<f64>,
+    /// Internal steps in all.
+    pub internal_steps: u64,
+    /// Largest friction residual.
+    pub residual: f64,
+    /// Time spent in steps.
+    pub stepping: Duration,
+}
+
+impl Effort {
+    /// Mean iterations per internal step.
+    pub fn mean_iterations(&self) -> f64 {
+        self.iterations.iter().sum::<f64>() / self.internal_steps.max(1) as f64
+    }
+
+    /// Most iterations of one communication step.
+    pub fn most_iterations(&self) -> f64 {
+        self.iterations.iter().copied().fold(0.0, f64::max)
+    }
+}
+
+/// The communication points of a scene.
+#[derive(Debug, Clone, Copy)]
+pub struct Points {
+    step: f64,
+    until: f64,
+    pub count: u64,
+}
+
+impl Points {
+    pub fn of(scene: &Scene) -> Points {
+        let step = scene.run.step.unwrap_or(scene.time.step);
+        let until = scene.run.until;
+        // a step that divides the interval must not leave a rounding error behind as a step of its own
+        let count = (until / step * (1.0 - 1e-9)).ceil().max(1.0) as u64;
+        Points { step, until, count }
+    }
+
+    /// Time of point `n`, s.
+    pub fn at(&self, n: u64) -> f64 {
+        if n >= self.count {
+            self.until
+        } else {
+            n as f64 * self.step
+        }
+    }
+
+    /// The largest internal step that is taken, s.
+    pub fn internal_step(&self, largest: f64) -> f64 {
+        let step = self.step.min(self.until);
+        step / internal_steps(step, largest) as f64
+    }
+}
+
+/// Number of equal internal steps, not larger than `largest`, that make up `step`.
+fn internal_steps(step: f64, largest: f64) -> u64 {
+    (step / largest * (1.0 - 1e-9)).ceil().max(1.0) as u64
+}
+
+/// Steps the scene and shows every communication point, the start included, to `observe`.
+pub fn follow(
+    scene: &Scene,
+    source_name: &str,
+    simulator: &mut Simulator,
+    mut observe: impl FnMut(&Simulator, &Frame) -> Result<(), Failure>,
+) -> Result<Effort, Failure> {
+    let failed = Failure::of(source_name);
+    let model = Arc::clone(simulator.model());
+    let points = Points::of(scene);
+    let mut effort = Effort::default();
+    set_loads(scene, simulator, points.at(0)).map_err(&failed)?;
+    simulator.init(points.at(0)).map_err(&failed)?;
+    observe(simulator, &frame(simulator).map_err(&failed)?)?;
+    for n in 1..=points.count {
+        let (from, to) = (simulator.time(), points.at(n));
+        set_loads(scene, simulator, to).map_err(&failed)?;
+        let start = Instant::now();
+        simulator.do_step(from, to - from).map_err(&failed)?;
+        effort.stepping += start.elapsed();
+        effort.internal_steps += internal_steps(to - from, model.largest_step());
+        let scalar = |name| Ok(simulator.get_by_name(name)?[0]);
+        effort
+            .iterations
+            .push(scalar("solver.iterations").map_err(&failed)?);
+        let residual = scalar("solver.residual").map_err(&failed)?;
+        effort.residual = effort.residual.max(residual);
+        let frame = frame(simulator).map_err(&failed)?;
+        let values = frame.slip_rate.iter().chain(&frame.tangential_stress);
+        if !values.chain(&frame.slip).all(|v| v.is_finite()) {
+            return Err(Failure::NotFinite {
+                source_name: source_name.to_owned(),
+                time: frame.time,
+            });
+        }
+        observe(simulator, &frame)?;
+    }
+    Ok(effort)
+}
+
+/// Sets every input to its signal at `time`, or to its start value where the scene gives none.
+fn set_loads(scene: &Scene, simulator: &mut Simulator, time: f64) -> stickslip::Result<()> {
+    let values: Vec<f64> = scene
+        .loads
+        .iter()
+        .map(|load| match scene.run.signals.get(&load.name) {
+            Some(signal) => signal.at(time),
+            None => load.start,
+        })
+        .collect();
+    simulator.set_inputs(&values)
+}
+
+fn frame(simulator: &Simulator) -> stickslip::Result<Frame> {
+    let get = |name: &str| simulator.get_by_name(name);
+    let one = |name: &str| Ok(get(name)?[0]);
+    Ok(Frame {
+        time: simulator.time(),
+        slip_rate: get("contact.slip_rate")?,
+        slip: get("contact.slip")?,
+        accumulated_slip: get("contact.accumulated_slip")?,
+        tangential_stress: get("contact.tangential_stress")?,
+        stick: get("contact.stick")?,
+        energy: Energy {
+            external_work: one("energy.external_work")?,
+            elastic: one("energy.elastic")?,
+            viscous: one("energy.viscous_dissipation")?,
+            friction: one("energy.friction_dissipation")?,
+            balance_error: one("energy.balance_error")?,
+        },
+    })
+}

@@ -1,0 +1,92 @@
+//! `stickslip run`: steps a scene on its own signals and reports.
+
+use crate::arguments::RunOptions;
+use crate::closing::Closing;
+use crate::console;
+use crate::contact_table::ContactTable;
+use crate::course::{self, Points};
+use crate::failure::Failure;
+use crate::run_pictures;
+use crate::source;
+use crate::vtk::Series;
+use std::sync::Arc;
+use std::time::Instant;
+use stickslip::{Compilation, Error, Scene, Simulator};
+
+pub fn run(options: &RunOptions) -> Result<(), Failure> {
+    let mut replaced = Vec::new();
+    for (path, value) in [("run.until", options.until), ("run.step", options.step)] {
+        replaced.extend(value.map(|v| (path.to_owned(), format!("{v:?}"))));
+    }
+    let scene = source::scene(&options.choice, &replaced)?;
+    let name = options.choice.scene.as_str();
+    let start = Instant::now();
+    let compilation = Compilation::new(&scene).map_err(Failure::of(name))?;
+    let setup = start.elapsed();
+    refuse_unstable(&scene, &compilation, name, options.force)?;
+
+    let contact = &compilation.body.contact;
+    let mut table = match &options.csv {
+        Some(path) => Some(ContactTable::create(path, contact)?),
+        None => None,
+    };
+    let mut series = match &options.vtk {
+        Some(folder) => Some(Series::create(folder, &scene.name)?),
+        None => None,
+    };
+    let mut frames = Vec::new();
+    let mut closing = Closing::new(setup);
+    let mut simulator = Simulator::new(Arc::clone(&compilation.model));
+    let bar = console::bar(Points::of(&scene).count, &scene.name);
+    let effort = course::follow(&scene, name, &mut simulator, |simulator, frame| {
+        if let Some(table) = &mut table {
+            table.add(contact, frame)?;
+        }
+        if let Some(series) = &mut series {
+            series.add(&compilation, simulator, frame)?;
+        }
+        if options.plots.is_some() {
+            frames.push(frame.clone());
+        }
+        closing.watch(frame);
+        bar.inc(1);
+        Ok(())
+    })?;
+    bar.finish_and_clear();
+    if let Some(table) = table {
+        table.finish()?;
+    }
+    if let Some(series) = series {
+        series.finish()?;
+    }
+    if let Some(folder) = &options.plots {
+        run_pictures::draw(folder, &scene, contact, &frames)?;
+    }
+    console::say(&closing.table(&compilation.model, &effort))
+}
+
+/// An explicit scheme beyond its stability limit gives numbers that mean nothing.
+fn refuse_unstable(
+    scene: &Scene,
+    compilation: &Compilation,
+    name: &str,
+    is_forced: bool,
+) -> Result<(), Failure> {
+    let model = &compilation.model;
+    let step = Points::of(scene).internal_step(model.largest_step());
+    match model.stability_limit() {
+        Some(limit) if step > limit => {
+            let error = Error::Unstable { step, limit };
+            if is_forced {
+                console::warn(&format!("{name}: {error}"));
+                return Ok(());
+            }
+            Err(Failure::Library {
+                source_name: name.to_owned(),
+                error: Box::new(error),
+                hint: "; --force runs it all the same",
+            })
+        }
+        _ => Ok(()),
+    }
+}

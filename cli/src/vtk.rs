@@ -1,0 +1,144 @@
+//! The deformed body at every communication point, as legacy VTK files and a `.vtk.series` index.
+//!
+//! Point data in global axes: `displacement` (m), `velocity` (m/s), `tangential_stress` on the body (Pa; zero off the
+//! contact). Nodes stand where they were before the deformation, cells are triangles or tetrahedra.
+
+use crate::course::Frame;
+use crate::failure::Failure;
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::{Path, PathBuf};
+use stickslip::fem::Body;
+use stickslip::{Compilation, Simulator};
+use vtkio::model::{
+    Attribute, Attributes, ByteOrder, CellType, Cells, DataSet, UnstructuredGridPiece, Version,
+    VertexNumbers, Vtk,
+};
+
+pub struct Series {
+    folder: PathBuf,
+    stem: String,
+    files: Vec<(String, f64)>,
+}
+
+impl Series {
+    /// Creates the folder.
+    pub fn create(folder: &Path, name: &str) -> Result<Series, Failure> {
+        let failed = Failure::writing(folder);
+        std::fs::create_dir_all(folder).map_err(|e| failed(&e))?;
+        // a scene may be called anything, a file may not
+        let stem = name
+            .chars()
+            .map(|c| {
+                if c.is_alphanumeric() || "-_".contains(c) {
+                    c
+                } else {
+                    '_'
+                }
+            })
+            .collect();
+        Ok(Series {
+            folder: folder.to_owned(),
+            stem,
+            files: Vec::new(),
+        })
+    }
+
+    /// Writes a communication point.
+    pub fn add(
+        &mut self,
+        compilation: &Compilation,
+        simulator: &Simulator,
+        frame: &Frame,
+    ) -> Result<(), Failure> {
+        let state = simulator.state();
+        let body = &compilation.body;
+        let nodal = |states: &[f64]| {
+            let field = compilation.field(states);
+            let field = field.map_err(Failure::of(&compilation.model.summary().name))?;
+            Ok::<_, Failure>(body.displacement(&field).concat())
+        };
+        let point = vec![
+            Attribute::vectors("displacement").with_data(nodal(state.displacement())?),
+            Attribute::vectors("velocity").with_data(nodal(state.velocity())?),
+            Attribute::vectors("tangential_stress").with_data(stress(body, frame)),
+        ];
+        let grid = UnstructuredGridPiece {
+            points: body.mesh.nodes.concat().into(),
+            cells: cells(body),
+            data: Attributes {
+                point,
+                cell: Vec::new(),
+            },
+        };
+        let name = format!("{}_{:05}.vtk", self.stem, self.files.len());
+        let path = self.folder.join(&name);
+        let failed = Failure::writing(&path);
+        let file = File::create(&path).map_err(|e| failed(&e))?;
+        let vtk = Vtk {
+            version: Version::new_legacy(3, 0),
+            title: format!("{} at {:?} s", self.stem, frame.time),
+            byte_order: ByteOrder::BigEndian,
+            data: DataSet::inline(grid),
+            file_path: None,
+        };
+        vtk.write_legacy(BufWriter::new(file))
+            .map_err(|e| failed(&format!("{e:?}")))?;
+        self.files.push((name, frame.time));
+        Ok(())
+    }
+
+    /// Writes the index.
+    pub fn finish(self) -> Result<(), Failure> {
+        let path = self.folder.join(format!("{}.vtk.series", self.stem));
+        let entries: Vec<_> = self
+            .files
+            .iter()
+            .map(|(name, time)| format!("    {{\"name\": \"{name}\", \"time\": {time:?}}}"))
+            .collect();
+        let text = format!(
+            "{{\n  \"file-series-version\": \"1.0\",\n  \"files\": [\n{}\n  ]\n}}\n",
+            entries.join(",\n")
+        );
+        let failed = Failure::writing(&path);
+        std::fs::write(&path, text).map_err(|e| failed(&e))
+    }
+}
+
+fn cells(body: &Body) -> Cells {
+    let mesh = &body.mesh;
+    let corners = mesh.dimension as u32 + 1;
+    let vertices = mesh
+        .cells()
+        .flat_map(|cell| [corners].into_iter().chain(cell.iter().copied()))
+        .collect();
+    let kind = match mesh.dimension {
+        2 => CellType::Triangle,
+        _ => CellType::Tetra,
+    };
+    Cells {
+        cell_verts: VertexNumbers::Legacy {
+            num_cells: mesh.cell_count() as u32,
+            vertices,
+        },
+        types: vec![kind; mesh.cell_count()],
+    }
+}
+
+/// Tangential stress at all nodes, in global axes.
+fn stress(body: &Body, frame: &Frame) -> Vec<f64> {
+    let contact = &body.contact;
+    let mut nodal = vec![[0.0; 3]; body.mesh.nodes.len()];
+    let c = contact.components;
+    for (i, &node) in contact.nodes.iter().enumerate() {
+        let values = &frame.tangential_stress[i * c..(i + 1) * c];
+        for (value, tangent) in values.iter().zip(&contact.tangents[i]) {
+            for (total, t) in nodal[node as usize].iter_mut().zip(tangent) {
+                *total += value * t;
+            }
+        }
+    }
+    // of periodic nodes the leader carries the contact
+    let leaders = body.mesh.leader.iter();
+    leaders.flat_map(|&leader| nodal[leader as usize]).collect()
+}

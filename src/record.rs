@@ -1,0 +1,94 @@
+//! What a step leaves behind: displacement and slip from the velocities of its stages, energies, the recorded past.
+
+use crate::model::Model;
+use crate::qvi::{Stage, Tableau};
+use crate::state::{State, energy};
+use crate::workspace::{Explicit, Velocity, Workspace};
+
+/// `p = u_n + k sum_j a_j w_j`, for the displacement of the body and the accumulated slip.
+pub(crate) fn explicit_part(
+    state: &State,
+    known: &[Velocity],
+    stage: &Stage,
+    k: f64,
+    explicit: &mut Explicit,
+) {
+    explicit.displacement.copy_from_slice(&state.displacement);
+    explicit
+        .accumulated_slip
+        .copy_from_slice(&state.accumulated_slip);
+    for (a, velocity) in stage.explicit.iter().zip(known) {
+        if *a != 0.0 {
+            add_scaled(&mut explicit.displacement, a * k, &velocity.body);
+            add_scaled(&mut explicit.accumulated_slip, a * k, &velocity.magnitude);
+        }
+    }
+}
+
+/// Loads at a fraction of the communication step.
+pub(crate) fn interpolate_loads(start: &[f64], end: &[f64], fraction: f64, loads: &mut [f64]) {
+    for (load, (from, to)) in loads.iter_mut().zip(start.iter().zip(end)) {
+        *load = if fraction == 1.0 {
+            *to
+        } else {
+            from + (to - from) * fraction
+        };
+    }
+}
+
+/// `u_{n+1} = u_n + k sum_j b_j w_j` for everything that is integrated.
+pub(crate) fn integrate(tableau: &Tableau, state: &mut State, velocities: &[Velocity], k: f64) {
+    for (j, velocity) in velocities.iter().enumerate() {
+        let weight = tableau.weight(j) * k;
+        if weight != 0.0 {
+            add_scaled(&mut state.displacement, weight, &velocity.body);
+            add_scaled(&mut state.slip, weight, &velocity.contact);
+            add_scaled(&mut state.accumulated_slip, weight, &velocity.magnitude);
+            add_scaled(&mut state.output_displacement, weight, &velocity.outputs);
+        }
+    }
+}
+
+/// Energies of the step from the means (weights b_j) of loads, velocities and contact forces.
+pub(crate) fn add_energies(model: &Model, state: &mut State, ws: &mut Workspace, k: f64) {
+    let tableau = model.tableau();
+    let Workspace {
+        velocities, mean, ..
+    } = ws;
+    mean.set_mean(tableau, velocities);
+    let (viscous, _) = model.body().products(&mean.body);
+    let (_, elastic) = model.body().products(&state.displacement);
+    state.energy[energy::EXTERNAL_WORK] += k * dot(&mean.load, &mean.outputs);
+    state.energy[energy::VISCOUS] += k * viscous;
+    state.energy[energy::FRICTION] += k * dot(&mean.force, &mean.contact);
+    state.energy[energy::ELASTIC] = 0.5 * elastic;
+}
+
+/// Appends the instant to the ring of the past.
+pub(crate) fn record(model: &Model, state: &mut State) {
+    let capacity = model.history_capacity() as u64;
+    if capacity == 0 {
+        return;
+    }
+    let m = state.slip.len();
+    let row_len = state.history.len() / capacity as usize;
+    let at = (state.recorded % capacity) as usize * row_len;
+    let row = &mut state.history[at..at + row_len];
+    let contact = model.contact();
+    row[0] = state.time;
+    row[1..=m].copy_from_slice(&state.slip_rate);
+    row[1 + m..=2 * m].copy_from_slice(&state.slip);
+    for (i, stress) in row[1 + 2 * m..].iter_mut().enumerate() {
+        *stress = contact.stress(i, state.force[i]);
+    }
+    state.recorded += 1;
+}
+
+fn add_scaled(to: &mut [f64], factor: f64, from: &[f64]) {
+    to.iter_mut().zip(from).for_each(|(t, f)| *t += factor * f);
+}
+
+/// Over the shorter of the two: the outputs begin with the loads.
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
