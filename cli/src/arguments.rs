@@ -32,7 +32,7 @@ pub enum Command {
 pub struct SceneChoice {
     /// A scene file, or the name of an embedded example (kazmi2014 is the paper's).
     pub scene: String,
-    /// Replace a value of the scene, e.g. contact.friction.alpha=50 or loads[0].start=1; may be repeated.
+    /// Replace a value of the scene, e.g. `contact.friction.alpha=50` or `loads[0].start=1`; may be repeated.
     #[arg(long = "set", value_name = "PATH=VALUE", value_parser = parse_override)]
     pub overrides: Vec<(String, String)>,
 }

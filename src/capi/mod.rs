@@ -1,7 +1,7 @@
 //! The C interface: pointers, panics and the last error; no physics. Declared in `include/stickslip.h`, whose head is
 //! the page of conventions; what each function does, its units, shapes and errors are its documentation here.
 //!
-//! This is the only module with unsafe code. A pointer becomes a reference in [`guard`] alone, after it has been
+//! This is the only module with unsafe code. A pointer becomes a reference in `guard` alone, after it has been
 //! checked for NULL, alignment and, for a handle, its kind; a length is checked before a slice is made of it.
 #![allow(unsafe_code, non_camel_case_types)]
 
