@@ -1,6 +1,6 @@
 //! The command line.
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
 /// Frictional contact of a viscoelastic body, stepped through the interface a master uses.
@@ -20,6 +20,8 @@ pub enum Command {
     Run(RunOptions),
     /// Validate a scene; print its ports, the certificate of uniqueness and the step to choose.
     Check(SceneChoice),
+    /// Pack a scene as an FMU: the shared library, the compiled model, the description, a page, a reference run.
+    Fmu(FmuOptions),
     /// Print an embedded example, or without a name list them.
     Example { name: Option<String> },
     /// Print the JSON Schema of scenes.
@@ -59,6 +61,34 @@ pub struct RunOptions {
     /// Run an explicit scheme beyond its stability limit all the same.
     #[arg(long)]
     pub force: bool,
+}
+
+#[derive(Args)]
+pub struct FmuOptions {
+    #[command(flatten)]
+    pub choice: SceneChoice,
+    /// The FMU to write; missing folders are made.
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// Version of FMI (Co-Simulation).
+    #[arg(long, value_enum, default_value = "3")]
+    pub fmi: Fmi,
+    /// FMI 3 with one variable per contact node instead of arrays, for importers that cannot read arrays.
+    #[arg(long)]
+    pub scalar: bool,
+    /// The shared library to pack [default: the one built last beside this command, in deps/ or portable/].
+    #[arg(long, value_name = "FILE")]
+    pub library: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+pub enum Fmi {
+    /// FMI 2.0
+    #[value(name = "2")]
+    Two,
+    /// FMI 3.0
+    #[value(name = "3")]
+    Three,
 }
 
 #[derive(Args)]

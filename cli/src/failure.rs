@@ -2,6 +2,7 @@
 
 use std::fmt;
 use std::path::{Path, PathBuf};
+use stickslip_fmu::PackageError;
 
 #[derive(Debug)]
 pub enum Failure {
@@ -17,6 +18,13 @@ pub enum Failure {
         doing: &'static str,
         why: String,
     },
+    /// There is no FMU of the scene.
+    Package {
+        source_name: String,
+        error: Box<PackageError>,
+    },
+    /// An option that another one rules out.
+    Option(&'static str),
     /// Neither a file nor an embedded example.
     NoScene { name: String },
     /// The results are no numbers.
@@ -67,6 +75,8 @@ impl fmt::Display for Failure {
             Failure::File { path, doing, why } => {
                 format!("{}: cannot {doing}: {why}", path.display())
             }
+            Failure::Package { source_name, error } => format!("{source_name}: {error}"),
+            Failure::Option(why) => (*why).to_owned(),
             Failure::NoScene { name } => {
                 let names: Vec<_> = stickslip::scene::example_names().collect();
                 format!(

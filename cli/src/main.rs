@@ -1,4 +1,4 @@
-//! The command `stickslip`: runs, checks and draws scenes.
+//! The command `stickslip`: runs, checks, draws and packs scenes.
 
 mod arguments;
 mod check;
@@ -8,6 +8,7 @@ mod contact_table;
 mod course;
 mod failure;
 mod field;
+mod fmu;
 mod main_job;
 mod paper;
 mod pictures;
@@ -36,6 +37,7 @@ fn dispatch(arguments: &Arguments) -> Result<(), Failure> {
         None => main_job::run(),
         Some(Command::Run(options)) => run::run(options),
         Some(Command::Check(choice)) => check::check(choice),
+        Some(Command::Fmu(options)) => fmu::run(options),
         Some(Command::Example { name: None }) => {
             let names: Vec<_> = stickslip::scene::example_names().collect();
             console::say(&names.join("\n"))

@@ -199,6 +199,8 @@ fn the_main_job_compares_with_the_paper() {
         assert!(shell.has(&format!("out/{figure}.svg")), "{figure}");
     }
     assert_eq!(shell.table("out/kazmi2014.csv").rows, 33 * 32);
+    // an FMU, or why there is none: a build of tests has a library that must not be packed
+    assert!(shell.has("out/kazmi2014.fmu") != printed.contains("no FMU: kazmi2014: "));
     // the last iterates of Figure 7 lie on the law, g(r) = 0.002 exp(-100 r) + 0.001
     let iterates = shell.table("out/figure7.csv");
     let column = |name: &str| &iterates.columns[name];

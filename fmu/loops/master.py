@@ -23,9 +23,8 @@ def arguments(description, *more):
     if not found.fmu:
         found.fmu = os.path.join(found.out, "kazmi2014.fmu")
         build = os.environ.get("STICKSLIP_BUILD")
-        cargo = ["cargo", "run", "--quiet", "--release", "-p", "stickslip-fmu", "--example", "pack", "--"]
-        command = [os.path.join(build, "examples", "pack")] if build else cargo
-        subprocess.run([*command, "kazmi2014", found.fmu, "3"], cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
+        command = [os.path.join(build, "stickslip")] if build else ["cargo", "run", "--quiet", "--release", "--"]
+        subprocess.run([*command, "fmu", "kazmi2014", "-o", os.path.abspath(found.fmu)], cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
     return found
 
 

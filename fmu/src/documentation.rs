@@ -44,10 +44,10 @@ pub fn page(
         }
     );
     html.push_str(&picture(&compilation.body.mesh, model));
-    let _ = write!(
+    let _ = writeln!(
         html,
         "<p>{} cells, {} nodes, {} free displacement components; {} contact nodes (dots), in the order of all arrays over \
-         the contact. Kept of the body: {:?}, {} states.</p>\n",
+         the contact. Kept of the body: {:?}, {} states.</p>",
         summary.mesh_cells,
         summary.mesh_nodes,
         summary.free_dofs,

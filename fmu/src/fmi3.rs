@@ -18,6 +18,8 @@ use std::ffi::{CStr, CString, c_char, c_int, c_void};
 
 pub(crate) type Instance = *mut c_void;
 type FmuState = *mut c_void;
+/// A callback of the importer for what this FMU does not do; never called.
+pub(crate) type Callback = Option<unsafe extern "C" fn()>;
 /// `fmi3Boolean` (C `bool`), taken as a byte: an importer may pass any.
 pub(crate) type Boolean = u8;
 pub(crate) type LogMessage =
@@ -112,7 +114,7 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
     _intermediate_count: usize,
     environment: *mut c_void,
     log_message: LogMessage,
-    _intermediate_update: *const c_void,
+    _intermediate_update: Callback,
 ) -> Instance {
     let location = || match resources.is_null() {
         true => guard::resources_beside_library(),

@@ -26,4 +26,4 @@ mod variables;
 mod xml;
 
 pub use description::{FmiVersion, model_description, terminals};
-pub use package::{Options, Packed, find_library, package};
+pub use package::{Options, PackageError, Packed, find_library, package};

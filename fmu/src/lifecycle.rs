@@ -411,7 +411,10 @@ impl Instance {
     /// Sets variables, all or none.
     pub fn set<T: Scalar>(&mut self, references: &[u32], values: &[T]) -> Outcome {
         #[cfg(feature = "panic-injection")]
-        assert!(references != [0xDEAD], "injected");
+        assert!(
+            references != [0xDEAD],
+            "stickslip_fmu built with panic-injection"
+        );
         let places: Vec<usize> = self
             .places::<T>(references, values.len())?
             .into_iter()

@@ -54,6 +54,8 @@ pub enum PackageError {
     Scene(stickslip::Error),
     /// There is no shared library; the places that were searched.
     NoLibrary(Vec<PathBuf>),
+    /// The shared library is a build for tests, which panics on request.
+    TestLibrary(PathBuf),
     /// A file cannot be read, or the archive not be written.
     Io(PathBuf, std::io::Error),
 }
@@ -70,6 +72,11 @@ impl fmt::Display for PackageError {
                     places.join(", ")
                 )
             }
+            PackageError::TestLibrary(path) => write!(
+                f,
+                "{} was built for tests, with the feature panic-injection (cargo build --release makes the library to pack)",
+                path.display()
+            ),
             PackageError::Io(path, error) => write!(f, "{}: {error}", path.display()),
         }
     }
@@ -152,6 +159,14 @@ pub fn newest_glibc(library: &[u8]) -> Option<String> {
     versions.max().map(|(_, text)| text)
 }
 
+/// Whether a library was built with the feature `panic-injection`, which is for tests only: its message is in it.
+fn is_test_library(library: &[u8]) -> bool {
+    // put together here, so that a library does not contain the text because it contains the packager
+    let mark = ["panic-injection", "stickslip_fmu built with "];
+    let mark = format!("{}{}", mark[1], mark[0]);
+    library.windows(mark.len()).any(|w| w == mark.as_bytes())
+}
+
 /// Packs the FMU of a scene text. It contains: the shared library, the compiled model and the scene (in `resources/`), the
 /// model description, for FMI 3 the terminals, a documentation page, and the results of the scene's own run.
 ///
@@ -164,6 +179,9 @@ pub fn package(scene_text: &str, options: &Options) -> Result<Packed, PackageErr
     let text = scene.to_json();
     let library = options.library.clone().map_or_else(find_library, Ok)?;
     let binary = std::fs::read(&library).map_err(|e| PackageError::Io(library.clone(), e))?;
+    if is_test_library(&binary) {
+        return Err(PackageError::TestLibrary(library));
+    }
     let glibc = newest_glibc(&binary);
     let (version, is_scalar) = (options.version, options.is_scalar);
 

@@ -1,4 +1,4 @@
-"""FMUs for the tests: packed once by the `pack` example, whose folder STICKSLIP_BUILD names."""
+"""FMUs for the tests: packed once by the command `stickslip`, whose folder STICKSLIP_BUILD names."""
 
 import os
 import subprocess
@@ -24,7 +24,8 @@ def pack(tmp_path_factory):
         key = (str(scene), kind)
         if key not in packed:
             path = folder / f"{Path(str(scene)).stem}_{kind.replace(' ', '_')}.fmu"
-            run(BUILD / "examples" / "pack", scene, path, *kind.split())
+            version, *scalar = kind.split()
+            run(BUILD / "stickslip", "fmu", scene, "-o", path, "--fmi", version, *(f"--{s}" for s in scalar))
             packed[key] = path
         return packed[key]
 

@@ -1,27 +1,21 @@
-//! The shared library as an importer sees it: its symbols, and what it asks of the system.
+//! Which shared library the packager takes.
 
-use std::process::Command;
-use stickslip_fmu::find_library;
+use stickslip_fmu::{Options, PackageError, find_library, package};
 
-/// Functions of FMI 2.0 Co-Simulation and of FMI 3.0, counted in the standard's headers.
-const FMI2: usize = 34;
-const FMI3: usize = 75;
-
-/// Nothing but the functions of the two standards is exported: a host that loads several FMUs must not find other names.
+/// A build for tests panics on request: it is found, and refused; any other is packed.
 #[test]
-fn exactly_the_functions_of_the_standards_are_exported() {
+fn a_library_that_panics_on_request_is_not_packed() {
     let library = find_library().expect("the library was built");
-    let output = Command::new("nm")
-        .args(["-D", "--defined-only"])
-        .arg(&library)
-        .output();
-    let output = output.expect("nm of binutils");
-    let text = String::from_utf8(output.stdout).expect("names are ASCII");
-    let names: Vec<&str> = text
-        .lines()
-        .filter_map(|l| l.split_whitespace().nth(2))
-        .collect();
-    let count = |prefix: &str| names.iter().filter(|n| n.starts_with(prefix)).count();
-    assert_eq!((count("fmi2"), count("fmi3")), (FMI2, FMI3));
-    assert_eq!(names.len(), FMI2 + FMI3, "{names:?}");
+    let scene = stickslip::scene::example("seal").expect("an embedded scene");
+    match package(scene, &Options::default()) {
+        Err(PackageError::TestLibrary(refused)) => {
+            assert!(cfg!(feature = "panic-injection"));
+            assert_eq!(refused, library);
+        }
+        Ok(packed) => {
+            assert!(!cfg!(feature = "panic-injection"));
+            assert_eq!(packed.library, library);
+        }
+        Err(error) => panic!("{error}"),
+    }
 }

@@ -2,7 +2,7 @@
 //! Execution, configuration. They answer with an error and say so in the log; none pretends.
 #![allow(unsafe_code, clippy::missing_safety_doc, clippy::too_many_arguments)]
 
-use super::{Boolean, Instance, LogMessage, logger, run};
+use super::{Boolean, Callback, Instance, LogMessage, logger, run};
 use crate::fault::Fault;
 use crate::guard;
 use std::ffi::{c_char, c_int, c_void};
@@ -136,9 +136,9 @@ pub unsafe extern "C" fn fmi3InstantiateScheduledExecution(
     _logging_on: Boolean,
     environment: *mut c_void,
     log_message: LogMessage,
-    _clock_update: *const c_void,
-    _lock_preemption: *const c_void,
-    _unlock_preemption: *const c_void,
+    _clock_update: Callback,
+    _lock_preemption: Callback,
+    _unlock_preemption: Callback,
 ) -> Instance {
     no_instance("Scheduled Execution", environment, log_message)
 }

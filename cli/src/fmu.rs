@@ -1,0 +1,78 @@
+//! Packs scenes as FMUs, and says what the file asks of the system it will run on.
+
+use crate::arguments::{Fmi, FmuOptions};
+use crate::console;
+use crate::failure::Failure;
+use crate::source;
+use std::path::Path;
+use stickslip::Scene;
+use stickslip_fmu::{FmiVersion, Options, PackageError, Packed, package};
+
+/// `stickslip fmu`.
+pub fn run(options: &FmuOptions) -> Result<(), Failure> {
+    if options.scalar && options.fmi == Fmi::Two {
+        return Err(Failure::Option(
+            "--scalar is for --fmi 3: FMI 2 has no arrays",
+        ));
+    }
+    let scene = source::scene(&options.choice, &[])?;
+    let name = &options.choice.scene;
+    let packed = pack(
+        &scene,
+        Options {
+            version: match options.fmi {
+                Fmi::Two => FmiVersion::Fmi2,
+                Fmi::Three => FmiVersion::Fmi3,
+            },
+            is_scalar: options.scalar,
+            library: options.library.clone(),
+            source_name: name.clone(),
+        },
+    )?;
+    write(&options.output, &packed)?;
+    let version = match options.fmi {
+        Fmi::Two => "2.0",
+        Fmi::Three => "3.0",
+    };
+    console::say(&format!(
+        "{}: FMI {version}, {:.1} MB; {}",
+        options.output.display(),
+        packed.bytes.len() as f64 / 1e6,
+        library(&packed)
+    ))
+}
+
+/// The FMU of a scene; `options.source_name` is what errors call the scene.
+pub fn pack(scene: &Scene, options: Options) -> Result<Packed, Failure> {
+    package(&scene.to_json(), &options).map_err(|error| match error {
+        PackageError::Scene(error) => Failure::of(&options.source_name)(error),
+        error => Failure::Package {
+            source_name: options.source_name.clone(),
+            error: Box::new(error),
+        },
+    })
+}
+
+/// Writes the file, and the folders it lies in.
+pub fn write(path: &Path, packed: &Packed) -> Result<(), Failure> {
+    let failed = Failure::writing(path);
+    if let Some(folder) = path.parent().filter(|f| !f.as_os_str().is_empty()) {
+        std::fs::create_dir_all(folder).map_err(|e| failed(&e))?;
+    }
+    std::fs::write(path, &packed.bytes).map_err(|e| failed(&e))
+}
+
+/// Which library is in the FMU, and the oldest system that loads it.
+pub fn library(packed: &Packed) -> String {
+    let folder = packed.library.parent().and_then(Path::file_name);
+    let kind = if folder.is_some_and(|f| f == "portable") {
+        "portable"
+    } else {
+        "native"
+    };
+    let needs = match &packed.glibc {
+        Some(version) => format!("needs glibc {version} or newer"),
+        None => "names no glibc version".to_owned(),
+    };
+    format!("{kind} library {}, {needs}", packed.library.display())
+}
