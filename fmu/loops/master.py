@@ -11,6 +11,13 @@ from fmpy.fmi3 import FMU3Slave
 ROOT = Path(__file__).resolve().parents[2]
 
 
+def command(*words):
+    """Runs the command `stickslip`: of the build that STICKSLIP_BUILD names, or by cargo."""
+    build = os.environ.get("STICKSLIP_BUILD")
+    start = [os.path.join(build, "stickslip")] if build else ["cargo", "run", "--quiet", "--release", "--"]
+    subprocess.run([*start, *map(str, words)], cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
+
+
 def arguments(description, *more):
     """Command line of a loop: the FMU (packed from the paper's example when absent) and the folder of the pictures."""
     parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -22,9 +29,7 @@ def arguments(description, *more):
     os.makedirs(found.out, exist_ok=True)
     if not found.fmu:
         found.fmu = os.path.join(found.out, "kazmi2014.fmu")
-        build = os.environ.get("STICKSLIP_BUILD")
-        command = [os.path.join(build, "stickslip")] if build else ["cargo", "run", "--quiet", "--release", "--"]
-        subprocess.run([*command, "fmu", "kazmi2014", "-o", os.path.abspath(found.fmu)], cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
+        command("fmu", "kazmi2014", "-o", os.path.abspath(found.fmu))
     return found
 
 

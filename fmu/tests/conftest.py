@@ -5,6 +5,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from raw import Instance, Library
 
 BUILD = Path(os.environ.get("STICKSLIP_BUILD", Path(__file__).parents[2] / "target" / "release"))
 
@@ -40,3 +41,17 @@ def version(request):
 @pytest.fixture
 def paper(pack, version):
     return pack("kazmi2014", version)
+
+
+@pytest.fixture
+def library(paper):
+    library = Library(paper)
+    yield library
+    library.close()
+
+
+@pytest.fixture
+def pad(library):
+    pad = Instance(library)
+    yield pad
+    pad.free()

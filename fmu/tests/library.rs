@@ -7,15 +7,10 @@ use stickslip_fmu::{Options, PackageError, find_library, package};
 fn a_library_that_panics_on_request_is_not_packed() {
     let library = find_library().expect("the library was built");
     let scene = stickslip::scene::example("seal").expect("an embedded scene");
-    match package(scene, &Options::default()) {
-        Err(PackageError::TestLibrary(refused)) => {
-            assert!(cfg!(feature = "panic-injection"));
-            assert_eq!(refused, library);
-        }
-        Ok(packed) => {
-            assert!(!cfg!(feature = "panic-injection"));
-            assert_eq!(packed.library, library);
-        }
-        Err(error) => panic!("{error}"),
+    let is_test_build = cfg!(feature = "panic-injection");
+    match (package(scene, &Options::default()), is_test_build) {
+        (Err(PackageError::TestLibrary(refused)), true) => assert_eq!(refused, library),
+        (Ok(packed), false) => assert_eq!(packed.library, library),
+        (outcome, _) => panic!("{:?}", outcome.map(|packed| packed.library)),
     }
 }

@@ -9,7 +9,7 @@ import os
 import shutil
 import tempfile
 import zipfile
-from ctypes import POINTER, byref, c_char, c_char_p, c_double, c_int, c_int64, c_size_t, c_uint32, c_uint8, c_void_p
+from ctypes import byref, c_char, c_char_p, c_double, c_int, c_int64, c_size_t, c_uint32, c_uint8, c_void_p
 
 import _ctypes
 from fmpy import read_model_description
@@ -235,3 +235,18 @@ class Instance:
 
 class NULL:
     """Stands for a NULL token, because None stands for the FMU's own."""
+
+
+H = 1 / 32  # communication step of the tests, s
+
+
+def stepped(pad, count=4, **values):
+    pad.start(**values)
+    for i in range(count):
+        assert pad.step(i * H, H) == OK
+    return pad
+
+
+def refused(library, **arguments):
+    pad = Instance(library, **arguments)
+    return pad.c is None and len(pad.log) == 1

@@ -2,7 +2,9 @@
 environment per importer (made by scripts/importers_fmu.sh); without it these tests are skipped."""
 
 import ctypes
+import json
 import os
+import shutil
 import subprocess
 from pathlib import Path
 
@@ -104,3 +106,30 @@ def test_importer_gives_the_same_bits(pack, importer, kind, script):
     assert [float.fromhex(x) for x in lines[-1].split()[1:]] == list(expected)
     pad.free()
     library.close()
+
+
+@pytest.mark.parametrize("kind", ["2", "3 scalar"])
+def test_a_container_of_the_toolbox_gives_the_same_bits(pack, kind, tmp_path):
+    """The FMU inside a container FMU, which runs in FMPy."""
+    tool = environment("fmu-manipulation-toolbox") / "fmucontainer"
+    fmu = pack("kazmi2014", kind)
+    shutil.copy(fmu, tmp_path / "pad.fmu")
+    names = [f"contact.{q}[{i}]" for q in ("tangential_stress", "slip_rate") for i in (1, 32)]
+    content = {
+        "name": "container.fmu",
+        "step_size": 1 / 32,
+        "fmu": ["pad.fmu"],
+        "input": [["press", "pad.fmu", "press"]],
+        "output": [["pad.fmu", name, f"value{i}"] for i, name in enumerate(names)],
+        "auto_output": False,
+    }
+    (tmp_path / "container.json").write_text(json.dumps(content))
+    options = ["-fmu-directory", ".", "-container", "container.json", "-fmi", kind[0], "-no-auto-output"]
+    done = subprocess.run([tool, *options], cwd=tmp_path, capture_output=True, text=True)
+    container = tmp_path / "container.fmu"
+    assert container.is_file(), done.stdout + done.stderr
+    course = {"stop_time": 1.0, "output_interval": 1 / 32, "start_values": {"press": -0.3}}
+    inside = fmpy.simulate_fmu(str(container), step_size=1 / 32, output=[f"value{i}" for i in range(4)], **course)
+    alone = fmpy.simulate_fmu(str(fmu), output=names, **course)
+    # the container's clock adds its steps up: the last point is the same
+    assert list(inside[-1])[1:] == [alone[-1][name] for name in names]
