@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::io::Read;
 
 /// What the packager reads of a library: the glibc versions that its symbols ask for. It is not loaded here.
-const LIBRARY: &str = "...GLIBC_2.2.5...GLIBC_2.17...GLIBC_PRIVATE...";
+const LIBRARY: &str = "\0GLIBC_2.2.5\0GLIBC_2.17\0GLIBC_PRIVATE\0";
 
 fn files(shell: &Shell, name: &str) -> BTreeMap<String, Vec<u8>> {
     let file = std::fs::File::open(shell.folder.path().join(name)).unwrap();
