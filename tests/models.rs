@@ -48,8 +48,8 @@ fn reduction_reports_what_it_achieved() {
     assert_eq!(summary.kind, ModelKind::Reduced);
     let record = summary.reduction.as_ref().unwrap();
     assert!(record.achieved <= 1e-8 && record.achieved > 0.0);
-    assert_eq!(record.shifts[0], f64::INFINITY);
-    assert_eq!(*record.shifts.last().unwrap(), 0.0);
+    // the two ends, infinity and zero, are left to test the projection
+    assert!(record.shifts.iter().all(|s| s.is_finite() && *s > 0.0));
     assert!(record.shifts.windows(2).all(|w| w[0] > w[1]));
     assert_eq!(summary.dofs_with_multipliers, 2210);
     assert_eq!(summary.free_dofs, 2080);

@@ -1,6 +1,6 @@
 //! Dense algebra on faer with preallocated scratch.
 
-use super::kernel::dot;
+use super::kernel::{column, dot};
 use crate::error::{Error, Result};
 use dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt;
@@ -43,6 +43,19 @@ impl DenseCholesky {
             Default::default(),
         )
         .is_ok()
+    }
+
+    /// Takes over a lower Cholesky factor.
+    pub fn adopt(&mut self, lower: MatRef<f64>) {
+        self.order = lower.nrows();
+        for (j, to) in self
+            .values
+            .chunks_exact_mut(self.order)
+            .enumerate()
+            .take(self.order)
+        {
+            to.copy_from_slice(column(lower, j));
+        }
     }
 
     /// Solves in place with the last factored matrix.
@@ -98,4 +111,15 @@ pub fn symmetric_eigen(what: &str, a: MatRef<f64>) -> Result<(Vec<f64>, Mat<f64>
         })?;
     let values = eigen.S().column_vector().iter().copied().collect();
     Ok((values, eigen.U().to_owned()))
+}
+
+/// Eigenvalues of a symmetric matrix in ascending order (its lower triangle is read).
+///
+/// # Errors
+/// [`Error::Body`] when the iteration fails, which means the matrix holds NaN or infinities.
+pub fn symmetric_eigenvalues(what: &str, a: MatRef<f64>) -> Result<Vec<f64>> {
+    a.self_adjoint_eigenvalues(faer::Side::Lower)
+        .map_err(|_| Error::Body {
+            what: format!("the eigenvalues of {what} cannot be computed"),
+        })
 }

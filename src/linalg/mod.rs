@@ -4,6 +4,6 @@ mod dense;
 mod kernel;
 mod sparse;
 
-pub use dense::{DenseCholesky, mirror_lower, symmetric_eigen};
+pub use dense::{DenseCholesky, mirror_lower, symmetric_eigen, symmetric_eigenvalues};
 pub use kernel::{column, dot, multiply, multiply_transposed};
 pub use sparse::SparseCholesky;

@@ -124,23 +124,39 @@ impl SparseCholesky {
     /// Eliminates the interior from the load `x` (by dofs) into `y` (in the order of the factor); the last entries of
     /// `y` are then the condensed load.
     pub fn eliminate(&self, factor: &[f64], x: &[f64], y: &mut [f64]) {
+        self.reorder(x, y);
+        self.eliminate_reordered(factor, &mut [y]);
+    }
+
+    /// Brings `x` (by dofs) into the order of the factor.
+    pub fn reorder(&self, x: &[f64], y: &mut [f64]) {
         for (y, &dof) in y.iter_mut().zip(&self.order) {
             *y = x[dof];
         }
+    }
+
+    /// Eliminates the interior from several loads in the order of the factor, in one pass over the factor.
+    pub fn eliminate_reordered(&self, factor: &[f64], loads: &mut [&mut [f64]]) {
         let interior = self.interior();
         self.for_columns(factor, false, |column, diagonal, same, pattern, below| {
             if column >= interior {
                 return;
             }
-            let pivot = y[column] / diagonal;
-            y[column] = pivot;
             let (block, rest) = below.split_at(same);
-            let contiguous = &mut y[column + 1..column + 1 + same];
-            for (y, l) in contiguous.iter_mut().zip(block) {
-                *y -= l * pivot;
-            }
-            for (&row, l) in pattern.iter().zip(rest) {
-                y[row] -= l * pivot;
+            for y in loads.iter_mut() {
+                let pivot = y[column] / diagonal;
+                // the load of a part of the boundary leaves most of the factor untouched
+                if pivot == 0.0 {
+                    continue;
+                }
+                y[column] = pivot;
+                let contiguous = &mut y[column + 1..column + 1 + same];
+                for (y, l) in contiguous.iter_mut().zip(block) {
+                    *y -= l * pivot;
+                }
+                for (&row, l) in pattern.iter().zip(rest) {
+                    y[row] -= l * pivot;
+                }
             }
         });
     }
@@ -167,8 +183,8 @@ impl SparseCholesky {
         }
     }
 
-    /// Condensed operator of the trailing dofs: the product of the trailing block of the factor with its transpose.
-    pub fn condensed(&self, factor: &[f64], out: MatMut<f64>) {
+    /// Lower Cholesky factor of the condensed operator of the trailing dofs.
+    pub fn trailing_factor(&self, factor: &[f64]) -> Mat<f64> {
         let interior = self.interior();
         let mut lower = Mat::<f64>::zeros(self.trailing, self.trailing);
         self.for_columns(factor, false, |column, diagonal, same, pattern, below| {
@@ -181,6 +197,12 @@ impl SparseCholesky {
                 lower[(row - interior, j)] = *l;
             }
         });
+        lower
+    }
+
+    /// Condensed operator of the trailing dofs: the product of the trailing block of the factor with its transpose.
+    pub fn condensed(&self, factor: &[f64], out: MatMut<f64>) {
+        let lower = self.trailing_factor(factor);
         let mut out = out;
         matmul(
             out.rb_mut(),

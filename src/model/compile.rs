@@ -6,13 +6,14 @@ use super::condensed::Condensed;
 use super::field::Field;
 use super::full::Full;
 use super::parts::Parts;
+use super::reduced::Reduced;
 use super::reduction::{Reduction, Synthesis, reduce};
 use crate::error::{Error, Result};
 use crate::fem::Body;
 use crate::friction::Law;
 use crate::linalg::SparseCholesky;
 use crate::mesh::Mesh;
-use crate::qvi::{Tableau, certify, strain_weights};
+use crate::qvi::{Tableau, certify, sharp_constant, sharp_constant_of_compliance, strain_weights};
 use crate::scene::{ModelKind, Scene};
 use std::sync::Arc;
 
@@ -56,7 +57,12 @@ impl Compilation {
         let law = Law::from_scene(&scene.contact.friction);
         let tableau = Tableau::of(scene.time.scheme);
         let theta_k = tableau.theta() * scene.time.step;
-        let certificate = certify(&body, &cholesky, law.lipschitz(), theta_k)?;
+        let certificate = certify(&body, law.lipschitz(), theta_k, |x, y| match &kept.model {
+            KeptModel::Reduced(reduced) => {
+                sharp_constant_of_compliance(&body, &reduced.compliance(x, y))
+            }
+            KeptModel::Whole(_) => sharp_constant(&body, &cholesky, (x, y)),
+        })?;
 
         let parts = Parts {
             kind: kept.kind,
@@ -70,7 +76,7 @@ impl Compilation {
             mesh_cells: body.mesh.cell_count(),
             free_dofs: body.len(),
             rates: body.element_rates,
-            body: kept.model,
+            body: kept.model.into_body(),
         };
         let model = Model::new(scene, parts)?;
         Ok(Compilation {
@@ -93,10 +99,25 @@ impl Compilation {
     }
 }
 
+/// The model that is kept; a reduced one also serves the certificate.
+enum KeptModel {
+    Reduced(Reduced),
+    Whole(Box<dyn BodyModel>),
+}
+
+impl KeptModel {
+    fn into_body(self) -> Box<dyn BodyModel> {
+        match self {
+            KeptModel::Reduced(reduced) => Box::new(reduced),
+            KeptModel::Whole(whole) => whole,
+        }
+    }
+}
+
 /// What is kept of the body, and how its field comes back.
 struct Kept {
     kind: ModelKind,
-    model: Box<dyn BodyModel>,
+    model: KeptModel,
     reduction: Option<super::ReductionRecord>,
     synthesis: Option<Synthesis>,
 }
@@ -104,7 +125,7 @@ struct Kept {
 fn keep(scene: &Scene, body: &Body, cholesky: &SparseCholesky) -> Result<Kept> {
     let whole = |kind, model| Kept {
         kind,
-        model,
+        model: KeptModel::Whole(model),
         reduction: None,
         synthesis: None,
     };
@@ -114,7 +135,7 @@ fn keep(scene: &Scene, body: &Body, cholesky: &SparseCholesky) -> Result<Kept> {
     };
     let reduced = |reduction: Reduction| Kept {
         kind: ModelKind::Reduced,
-        model: Box::new(reduction.reduced),
+        model: KeptModel::Reduced(reduction.reduced),
         reduction: Some(reduction.record),
         synthesis: Some(reduction.synthesis),
     };

@@ -6,9 +6,11 @@ mod compile;
 mod condensed;
 mod field;
 mod full;
+mod galerkin;
 mod parts;
 mod reduced;
 mod reduction;
+mod shifts;
 mod synthesis;
 mod transfer;
 

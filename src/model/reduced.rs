@@ -4,6 +4,7 @@
 //! and the contact compliance is `P diag(1 / (1 + theta_k rate)) P^T`, whatever the step size.
 
 use super::body_model::{BodyModel, Scratch, Stage};
+use super::reduction::add_response;
 use crate::bytes::{Reader, Writer};
 use crate::error::{Error, Result};
 use crate::linalg::{DenseCholesky, column as column_of, multiply, multiply_transposed};
@@ -133,6 +134,15 @@ impl BodyModel for Reduced {
 }
 
 impl Reduced {
+    /// Contact compliance of `x A + y B` (lower triangle).
+    pub fn compliance(&self, x: f64, y: f64) -> Mat<f64> {
+        let m = self.contact.ncols();
+        let mut compliance = Mat::zeros(m, m);
+        let (to, ports) = (compliance.as_mut(), self.contact.as_ref());
+        add_response(to, 1.0, ports, &self.rates, (x, y));
+        compliance
+    }
+
     /// Reads what [`BodyModel::write`] wrote, for the given numbers of contact components, loads and outputs.
     ///
     /// # Errors

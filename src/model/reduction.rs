@@ -1,33 +1,28 @@
 //! Reduction of the body to the relaxation rates that its ports see, to a chosen tolerance.
 //!
-//! Galerkin projection on `span{ (c_i A + d_i B)^-1 P }` over a few shifts. The projected matrices need only the
-//! transfer matrix (Loewner identities, `det = c_i d_j - c_j d_i`):
-//!
-//! ```text
-//! X_i^T A X_j = (d_j H_j - d_i H_i) / det,   X_i^T B X_j = (c_i H_i - c_j H_j) / det
-//! ```
-//!
-//! Directions that are dependent to rounding are dropped and the pair is diagonalised: `A = I`, `B = diag(rates)`.
-//! Shifts are added, halving the angle between two known ones, until the transfer matrix agrees with the exact one at
-//! every shift tested that is not used: entry by entry, and on the contact in the energy norm, where `|L^-1 (C_r - C) L^-T|`
-//! with `C = L L^T` bounds the relative error of the compliance and of its inverse for any combination of forces or slips. Projection keeps the rates between the extreme
-//! eigenvalues of `A^-1 B`, which the element rates bound: a rate outside is an error upstream.
+//! Galerkin projection on `span{ (c_i A + d_i B)^-1 P }` over a few shifts (see `galerkin`), which are known beforehand from
+//! the interval of rates (see `shifts`), from samples of the transfer matrix (see `transfer`): no basis of the length of the
+//! body is ever formed. The result is then judged at the samples that are not shifts, the two ends among them: entry by entry, and
+//! on the contact in the energy norm, where `|L^-1 (C_r - C) L^-T|` with `C = L L^T` bounds the relative error of the
+//! compliance and of its inverse for any combination of forces or slips. Projection keeps the rates between the
+//! extreme eigenvalues of `A^-1 B`, which the element rates bound: a rate outside is an error upstream.
 
+use super::galerkin::{Modes, Projection, compliance_factor};
 use super::reduced::Reduced;
-use super::transfer::{PortMatrix, Sample, sample, shift};
+use super::shifts::{Shifts, shift};
+use super::transfer::{PortMatrix, Sampler};
 use crate::error::{Error, Result};
 use crate::fem::Body;
-use crate::linalg::{SparseCholesky, mirror_lower, symmetric_eigen};
-use faer::{Mat, Par, Side};
-use std::f64::consts::FRAC_PI_2;
+use crate::linalg::{SparseCholesky, symmetric_eigenvalues};
+use faer::linalg::matmul::triangular::{BlockStructure, matmul};
+use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
+use faer::{Accum, Mat, MatMut, MatRef, Par};
 
-/// Directions whose share of the scaled Gram matrix is below this are dependent. The first that leaves no rate outside the
-/// bounds of the material is taken: rounding in a nearly dependent direction shows there first.
-const RANK_TOLERANCES: [f64; 5] = [1e-13, 1e-12, 1e-11, 1e-10, 1e-9];
-/// Most shifts that are tried before the tolerance is given up.
-const MOST_SHIFTS: usize = 9;
-/// Slack of the bounds on the rates, relative to the fastest.
-const RATE_SLACK: f64 = 1e-6;
+/// Shares of the tolerance that dropping nearly dependent responses may use, tried in this order.
+const TRUNCATION_SHARES: [f64; 3] = [0.3, 0.03, 0.003];
+/// Rates may be this far beyond the bounds of the material, relative to the fastest: those of responses that hardly matter
+/// carry the rounding errors of the samples, magnified.
+const RATE_SLACK: f64 = 1e-2;
 
 /// A reduced model with the record of how it was made.
 pub struct Reduction {
@@ -39,9 +34,10 @@ pub struct Reduction {
 /// How a reduced model was made.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReductionRecord {
-    /// Shifts used, as `s = c / d` in 1/s (infinite for the instantaneous response).
+    /// Shifts used, as `s = c / d` in 1/s, descending.
     pub shifts: Vec<f64>,
-    /// Largest relative error of the transfer matrix and of its inverse on the contact, at shifts that are not used.
+    /// Largest relative error of the transfer matrix and of its inverse on the contact, at angles between the shifts, the
+    /// instantaneous and the long-time response among them.
     pub achieved: f64,
 }
 
@@ -55,255 +51,185 @@ pub struct Synthesis {
     pub reference_rate: f64,
 }
 
-/// Reduces `body` until every unused shift tested agrees to `tolerance`.
+/// Reduces `body` until the samples between the shifts agree to `tolerance`.
 ///
 /// # Errors
 /// [`Error::ReductionInaccurate`] when the tolerance is out of reach, [`Error::NotPositiveDefinite`] when the body is not held.
 pub fn reduce(body: &Body, cholesky: &SparseCholesky, tolerance: f64) -> Result<Reduction> {
-    let ports = PortMatrix::new(body);
     let [slowest, fastest] = body.element_rates;
     let reference_rate = (slowest * fastest).sqrt();
-    // a body without elasticity relaxes at rate zero: any positive scale serves
-    let reference_rate = if reference_rate > 0.0 {
-        reference_rate
-    } else {
-        1.0
+    let interval = [slowest / reference_rate, fastest / reference_rate];
+    let ports = PortMatrix::new(body);
+    let mut sampler = Sampler::new(&ports, &body.operators, cholesky, reference_rate);
+    let inaccurate = |achieved, states| Error::ReductionInaccurate {
+        achieved,
+        tolerance,
+        states,
     };
-    let take = |angle| sample(&ports, &body.operators, cholesky, reference_rate, angle);
 
-    let mut used = vec![take(0.0)?, take(FRAC_PI_2)?];
-    let mut tests = vec![take(0.5 * FRAC_PI_2)?];
-    loop {
-        let mut candidate = project(&used, &ports, reference_rate, body)?;
-        let errors = tests
+    let mut planned = Shifts::for_tolerance(interval, tolerance);
+    let mut best = inaccurate(f64::INFINITY, 0);
+    // the plan is for an even spectrum; a body that needs more than one shift beyond it is at the limit of rounding
+    for _ in 0..2 {
+        let Some(shifts) = planned else { break };
+        let samples = shifts
+            .angles
             .iter()
-            .map(|t| candidate.error_at(t, reference_rate, body.contact_len()))
-            .collect::<Result<Vec<f64>>>()?;
-        let (worst, achieved) = errors
-            .iter()
-            .copied()
-            .enumerate()
-            .fold((0, 0.0), |best, e| if e.1 > best.1 { e } else { best });
-        if achieved <= tolerance {
-            candidate.record.achieved = achieved;
-            return Ok(candidate);
+            .map(|angle| sampler.sample(*angle))
+            .collect::<Result<Vec<_>>>()?;
+        let projection = Projection::new(&shifts, &samples, ports.contact_len)?;
+        let mut last_rank = 0;
+        for share in TRUNCATION_SHARES {
+            let rank = projection.rank_for(share * tolerance);
+            if rank == last_rank {
+                continue;
+            }
+            last_rank = rank;
+            let modes = projection.modes(rank)?;
+            check_rates(&modes.rates, interval, reference_rate)?;
+            let achieved = error_at_tests(&modes, &shifts, &samples, ports.contact_len)?;
+            if achieved <= tolerance {
+                let achieved = achieved.max(f64::EPSILON);
+                return Ok(finish(
+                    modes,
+                    &shifts,
+                    body,
+                    &ports,
+                    reference_rate,
+                    achieved,
+                ));
+            }
+            best = inaccurate(achieved, rank);
         }
-        if used.len() == MOST_SHIFTS {
-            return Err(Error::ReductionInaccurate {
-                achieved,
-                tolerance,
-                states: candidate.reduced.rates.len(),
-            });
-        }
-        let added = tests.swap_remove(worst);
-        let angle = added.angle;
-        let at = used.partition_point(|s| s.angle < angle);
-        let (before, after) = (used[at - 1].angle, used[at].angle);
-        used.insert(at, added);
-        tests.push(take(0.5 * (before + angle))?);
-        tests.push(take(0.5 * (angle + after))?);
+        planned = shifts.refined(interval);
     }
+    Err(best)
 }
 
-/// Galerkin projection on the samples.
-fn project(
-    used: &[Sample],
+fn finish(
+    modes: Modes,
+    shifts: &Shifts,
+    body: &Body,
     ports: &PortMatrix,
     reference_rate: f64,
-    body: &Body,
-) -> Result<Reduction> {
-    let m = ports.len();
-    let (mut a, mut b) = loewner(used, m);
-    // columns of very different size (viscous and elastic responses) are made comparable first
-    let scale: Vec<f64> = (0..a.nrows()).map(|i| inverse_root(a[(i, i)])).collect();
-    scale_both_sides(&mut a, &scale);
-    scale_both_sides(&mut b, &scale);
-
-    let (gram, vectors) = symmetric_eigen("the Gram matrix of the reduction", a.as_ref())?;
-    let mut modes = independent_modes(&gram, &vectors, &b, RANK_TOLERANCES[0])?;
-    for rank_tolerance in &RANK_TOLERANCES[1..] {
-        if outlier(&modes.0, reference_rate, body.element_rates).is_some() {
-            modes = independent_modes(&gram, &vectors, &b, *rank_tolerance)?;
-        }
-    }
-    let (scaled_rates, mut synthesis) = modes;
-    if let Some(rate) = outlier(&scaled_rates, reference_rate, body.element_rates) {
-        let [slowest, fastest] = body.element_rates;
-        return Err(Error::Body {
-            what: format!(
-                "the reduction gives a relaxation rate of {rate} 1/s, outside the [{slowest}, {fastest}] of the material"
-            ),
-        });
-    }
-    for (i, s) in scale.iter().enumerate() {
-        synthesis.row_mut(i).iter_mut().for_each(|v| *v *= s);
-    }
-    let rates = scaled_rates.iter().map(|r| r * reference_rate).collect();
-    let mut stacked = Mat::<f64>::zeros(used.len() * m, m);
-    for (i, s) in used.iter().enumerate() {
-        stacked.as_mut().subrows_mut(i * m, m).copy_from(&s.h);
-    }
-    let seen = synthesis.transpose() * &stacked;
-    let contact_len = ports.contact_len;
-    Ok(Reduction {
+    achieved: f64,
+) -> Reduction {
+    let (m, contact) = (ports.len(), ports.contact_len);
+    let angles: Vec<f64> = (0..shifts.count())
+        .map(|i| shifts.angles[shifts.at(i)])
+        .collect();
+    Reduction {
         reduced: Reduced {
-            contact: seen.as_ref().subcols(0, contact_len).to_owned(),
-            outputs: seen
-                .as_ref()
-                .subcols(contact_len, m - contact_len)
-                .to_owned(),
+            contact: modes.ports.get(.., ..contact).to_owned(),
+            outputs: modes.ports.get(.., contact..m).to_owned(),
             loads: body.loads.len(),
-            rates,
+            rates: modes.rates.iter().map(|r| r * reference_rate).collect(),
         },
         record: ReductionRecord {
-            shifts: used
+            shifts: angles
                 .iter()
-                .map(|s| {
-                    let (c, d) = shift(s.angle);
-                    if d == 0.0 {
-                        f64::INFINITY
-                    } else {
-                        reference_rate * c / d
-                    }
-                })
+                .map(|angle| reference_rate / angle.tan())
                 .collect(),
-            achieved: f64::NAN,
+            achieved,
         },
         synthesis: Synthesis {
-            forces: synthesis,
+            forces: modes.forces,
             reference_rate,
-            angles: used.iter().map(|s| s.angle).collect(),
+            angles,
         },
-    })
+    }
 }
 
-/// The projected pair `(X^T A X, X^T B X)` over all shifts.
-fn loewner(used: &[Sample], m: usize) -> (Mat<f64>, Mat<f64>) {
-    let size = used.len() * m;
-    let (mut a, mut b) = (Mat::<f64>::zeros(size, size), Mat::<f64>::zeros(size, size));
-    for (i, si) in used.iter().enumerate() {
-        let (ci, di) = shift(si.angle);
-        for (j, sj) in used.iter().enumerate() {
-            let (cj, dj) = shift(sj.angle);
-            let det = ci * dj - cj * di;
-            for q in 0..m {
-                for p in 0..m {
-                    let (va, vb) = if i == j {
-                        (si.a[(p, q)], si.b[(p, q)])
-                    } else {
-                        let (hi, hj) = (si.h[(p, q)], sj.h[(p, q)]);
-                        ((dj * hj - di * hi) / det, (ci * hi - cj * hj) / det)
-                    };
-                    a[(i * m + p, j * m + q)] = va;
-                    b[(i * m + p, j * m + q)] = vb;
-                }
-            }
+/// Checks the rates against the bounds of the material.
+fn check_rates(rates: &[f64], [low, high]: [f64; 2], reference_rate: f64) -> Result<()> {
+    let slack = RATE_SLACK * high;
+    for rate in rates {
+        if !(*rate >= low - slack && *rate <= high + slack) {
+            return Err(Error::Body {
+                what: format!(
+                    "the reduction gives a relaxation rate of {} 1/s, outside the [{}, {}] of the material",
+                    *rate * reference_rate,
+                    low * reference_rate,
+                    high * reference_rate
+                ),
+            });
         }
     }
-    (a, b)
+    Ok(())
 }
 
-/// Diagonalises the pair on the directions above the rank tolerance: rates (scaled) and modes.
-fn independent_modes(
-    gram: &[f64],
-    vectors: &Mat<f64>,
-    b: &Mat<f64>,
-    rank_tolerance: f64,
-) -> Result<(Vec<f64>, Mat<f64>)> {
-    let largest = gram.last().copied().unwrap_or(0.0);
-    let dropped = gram.partition_point(|g| *g <= rank_tolerance * largest);
-    let mut basis = vectors
-        .as_ref()
-        .subcols(dropped, gram.len() - dropped)
-        .to_owned();
-    for (j, g) in gram[dropped..].iter().enumerate() {
-        let root = 1.0 / g.sqrt();
-        basis.col_mut(j).iter_mut().for_each(|v| *v *= root);
+/// Largest error at the samples that are not shifts: see the module.
+fn error_at_tests(
+    modes: &Modes,
+    shifts: &Shifts,
+    samples: &[Mat<f64>],
+    contact_len: usize,
+) -> Result<f64> {
+    let mut worst: f64 = 0.0;
+    for at in shifts.tests() {
+        let error = error_at(modes, shifts.angles[at], &samples[at], contact_len)?;
+        worst = worst.max(error);
     }
-    let mut projected = basis.transpose() * (b * &basis);
-    mirror_lower(projected.as_mut());
-    let (rates, rotation) = symmetric_eigen("the reduced elasticity", projected.as_ref())?;
-    Ok((rates, &basis * &rotation))
+    Ok(worst)
 }
 
-/// A rate (1/s) outside the bounds of the material, if there is one.
-fn outlier(scaled: &[f64], reference_rate: f64, [slowest, fastest]: [f64; 2]) -> Option<f64> {
-    let slack = RATE_SLACK * fastest;
-    scaled
+fn error_at(modes: &Modes, angle: f64, exact: &Mat<f64>, contact_len: usize) -> Result<f64> {
+    let (c, d) = shift(angle);
+    let m = exact.nrows();
+    let mut off = exact.clone();
+    add_response(
+        off.as_mut(),
+        -1.0,
+        modes.ports.as_ref(),
+        &modes.rates,
+        (c, d),
+    );
+    let mut entrywise: f64 = 0.0;
+    for j in 0..m {
+        for i in j..m {
+            let scale = (exact[(i, i)] * exact[(j, j)]).sqrt();
+            // a port that does nothing has no error
+            if scale > 0.0 {
+                entrywise = entrywise.max(off[(i, j)].abs() / scale);
+            }
+            off[(j, i)] = off[(i, j)];
+        }
+    }
+    let lower = compliance_factor(exact.get(..contact_len, ..contact_len))?;
+    let mut energy = off.get(..contact_len, ..contact_len).to_owned();
+    for _ in 0..2 {
+        solve_lower_triangular_in_place(lower.as_ref(), energy.as_mut(), Par::Seq);
+        energy = energy.transpose().to_owned();
+    }
+    let energy = symmetric_eigenvalues("the error of the reduction", energy.as_ref())?
         .iter()
-        .map(|r| r * reference_rate)
-        .find(|rate| !(*rate >= slowest - slack && *rate <= fastest + slack))
+        .fold(0.0, |worst, v| v.abs().max(worst));
+    Ok(entrywise.max(energy))
 }
 
-impl Reduction {
-    /// Relative error at a sample: see the module.
-    fn error_at(&self, exact: &Sample, reference_rate: f64, contact_len: usize) -> Result<f64> {
-        let (c, d) = shift(exact.angle);
-        let r = self.reduced.rates.len();
-        let m = exact.h.nrows();
-        let mut seen = Mat::<f64>::zeros(m, r);
-        for (j, rate) in self.reduced.rates.iter().enumerate() {
-            let root = 1.0 / (c + d * rate / reference_rate).sqrt();
-            for i in 0..m {
-                let port = if i < contact_len {
-                    self.reduced.contact[(j, i)]
-                } else {
-                    self.reduced.outputs[(j, i - contact_len)]
-                };
-                seen[(i, j)] = port * root;
-            }
-        }
-        let h = &seen * seen.transpose();
-        let contact = |h: &Mat<f64>| {
-            h.as_ref()
-                .submatrix(0, 0, contact_len, contact_len)
-                .to_owned()
-        };
-        let exact_contact = contact(&exact.h);
-        let lower = exact_contact
-            .llt(Side::Lower)
-            .map_err(|_| Error::NotPositiveDefinite {
-                what: "the contact compliance",
-                pivot: 0,
-            })?;
-        // L^-1 (C_r - C) L^-T: how much any combination of contact forces is off, relative to its own response
-        let mut off = &contact(&h) - &exact_contact;
-        for _ in 0..2 {
-            let l = lower.L();
-            faer::linalg::triangular_solve::solve_lower_triangular_in_place(
-                l,
-                off.as_mut(),
-                Par::Seq,
-            );
-            off = off.transpose().to_owned();
-        }
-        Ok(relative_difference(&h, &exact.h).max(off.norm_l2()))
-    }
-}
-
-/// Largest difference of two matrices with positive diagonals, entry (i, j) relative to `sqrt(exact_ii exact_jj)`.
-fn relative_difference(a: &Mat<f64>, exact: &Mat<f64>) -> f64 {
-    let scale: Vec<f64> = (0..exact.nrows())
-        .map(|i| inverse_root(exact[(i, i)]))
-        .collect();
-    let mut largest: f64 = 0.0;
-    for j in 0..exact.ncols() {
-        for i in 0..exact.nrows() {
-            largest = largest.max((a[(i, j)] - exact[(i, j)]).abs() * scale[i] * scale[j]);
+/// Adds `weight ports^T diag(1 / (c + d rate)) ports` to the lower triangle of `to`.
+pub fn add_response(
+    to: MatMut<f64>,
+    weight: f64,
+    ports: MatRef<f64>,
+    rates: &[f64],
+    (c, d): (f64, f64),
+) {
+    let mut weighted = ports.to_owned();
+    for j in 0..ports.ncols() {
+        for (value, rate) in weighted.col_mut(j).iter_mut().zip(rates) {
+            *value /= c + d * rate;
         }
     }
-    largest
-}
-
-/// `1 / sqrt(x)`, and 0 for a port that does nothing.
-fn inverse_root(x: f64) -> f64 {
-    if x > 0.0 { 1.0 / x.sqrt() } else { 0.0 }
-}
-
-fn scale_both_sides(a: &mut Mat<f64>, scale: &[f64]) {
-    for j in 0..a.ncols() {
-        for i in 0..a.nrows() {
-            a[(i, j)] *= scale[i] * scale[j];
-        }
-    }
+    matmul(
+        to,
+        BlockStructure::TriangularLower,
+        Accum::Add,
+        ports.transpose(),
+        BlockStructure::Rectangular,
+        weighted.as_ref(),
+        BlockStructure::Rectangular,
+        weight,
+        Par::Seq,
+    );
 }

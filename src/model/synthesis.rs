@@ -1,7 +1,8 @@
 //! The field of the body from a state, on demand: for pictures and files, never in a step.
 
 use super::reduction::Synthesis;
-use super::transfer::{PortMatrix, shift};
+use super::shifts::shift;
+use super::transfer::PortMatrix;
 use crate::error::Result;
 use crate::fem::Body;
 use crate::linalg::SparseCholesky;

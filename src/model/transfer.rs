@@ -1,23 +1,22 @@
-//! The transfer matrix of the body between its ports, at one shift.
+//! The transfer matrix of the body between its ports, from one sparse factorization and no dense basis.
 //!
 //! Ports are the tangential contact dofs, the loads and the probes; `P` is their n x m matrix. For the projective shift
-//! `(c, d)` with `c^2 + d^2 = 1`, and `B` scaled by the reference rate,
+//! `(c, d)` with `c^2 + d^2 = 1`, and `B` scaled by the reference rate, `H = P^T (c A + d B)^-1 P`. With the contact eliminated
+//! last, `K = L L^T` holds the block of the contact in its trailing block: `(L_cc L_cc^T)^-1`. The other ports need one
+//! elimination each:
 //!
 //! ```text
-//! X = (c A + d B)^-1 P,   H = P^T X,   H' = -X^T (-d A + c B) X   (derivative by the angle of the shift)
-//! X^T A X = c H + d H',   X^T B X = d H - c H'
+//! y = L_ii^-1 p_i,   r = p_c - L_ci y,   H_cj = (L_cc L_cc^T)^-1 r_j,   H_jk = y_j . y_k + r_j . H_ck
 //! ```
 //!
-//! Angle 0 is the instantaneous (viscous) response, a quarter turn the long-time (elastic) one. Only one `X` is held.
+//! Angle 0 is the instantaneous (viscous) response, a quarter turn the long-time (elastic) one.
 
+use super::shifts::shift;
 use crate::error::Result;
 use crate::fem::{Body, OperatorPair};
-use crate::linalg::{SparseCholesky, mirror_lower};
-use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, Par};
-
-/// Columns multiplied together.
-const BLOCK: usize = 32;
+use crate::linalg::{DenseCholesky, SparseCholesky, column, dot, multiply};
+use dyn_stack::MemBuffer;
+use faer::Mat;
 
 /// The ports of a body: contact dofs, then loads, then probes.
 pub struct PortMatrix {
@@ -56,133 +55,94 @@ impl PortMatrix {
             }
         }
     }
-
-    /// `P^T X`, symmetrised.
-    fn project(&self, x: &Mat<f64>) -> Mat<f64> {
-        let (m, interior) = (self.len(), self.rows - self.contact_len);
-        let mut h = Mat::<f64>::zeros(m, m);
-        for j in 0..m {
-            let column = x.col(j);
-            for i in 0..self.contact_len {
-                h[(i, j)] = column[interior + i];
-            }
-            for (i, port) in self.others.iter().enumerate() {
-                h[(self.contact_len + i, j)] =
-                    port.iter().map(|&(dof, value)| value * column[dof]).sum();
-            }
-        }
-        symmetrise(&mut h);
-        h
-    }
 }
 
-/// The transfer matrix and the Galerkin blocks at one shift.
-pub struct Sample {
-    /// Angle of the shift, 0 to a quarter turn.
-    pub angle: f64,
-    /// `H`, m x m.
-    pub h: Mat<f64>,
-    /// `X^T A X`.
-    pub a: Mat<f64>,
-    /// `X^T B X`, with B scaled by the reference rate.
-    pub b: Mat<f64>,
-}
-
-/// `(c, d)` of a shift; exact at the two ends.
-pub fn shift(angle: f64) -> (f64, f64) {
-    if angle == std::f64::consts::FRAC_PI_2 {
-        (0.0, 1.0)
-    } else {
-        (angle.cos(), angle.sin())
-    }
-}
-
-/// Samples the transfer matrix at `angle`, with B divided by `reference_rate`.
-///
-/// # Errors
-/// [`crate::Error::NotPositiveDefinite`] when the body is not held.
-pub fn sample(
-    ports: &PortMatrix,
-    operators: &OperatorPair,
-    cholesky: &SparseCholesky,
+/// Samples the transfer matrix, with B divided by a reference rate; its memory serves all samples.
+pub struct Sampler<'a> {
+    ports: &'a PortMatrix,
+    operators: &'a OperatorPair,
+    cholesky: &'a SparseCholesky,
     reference_rate: f64,
-    angle: f64,
-) -> Result<Sample> {
-    let (c, d) = shift(angle);
-    let (n, m) = (ports.rows, ports.len());
-    let mut memory = cholesky.scratch(m);
-    let mut values = vec![0.0; operators.row_idx.len()];
-    operators.combine(c, d / reference_rate, &mut values);
-    let mut factor = vec![0.0; cholesky.len()];
-    cholesky.factor(
-        "the body operator c A + d B (is the body clamped or otherwise held?)",
-        (&operators.col_ptr, &operators.row_idx),
-        &values,
-        &mut factor,
-        &mut memory,
-    )?;
-    let mut x = Mat::<f64>::zeros(n, m);
-    let mut unit = vec![0.0; m];
-    for j in 0..m {
-        unit[j] = 1.0;
-        if let Some(column) = x.col_mut(j).try_as_col_major_mut() {
-            ports.expand(&unit, column.as_slice_mut());
-        }
-        unit[j] = 0.0;
-    }
-    cholesky.solve(&factor, x.as_mut(), &mut memory);
-
-    let h = ports.project(&x);
-    operators.combine(-d, c / reference_rate, &mut values);
-    let derivative = quadratic(operators, &values, &x);
-    let mut a = Mat::<f64>::zeros(m, m);
-    let mut b = Mat::<f64>::zeros(m, m);
-    for j in 0..m {
-        for i in 0..m {
-            a[(i, j)] = c * h[(i, j)] - d * derivative[(i, j)];
-            b[(i, j)] = d * h[(i, j)] + c * derivative[(i, j)];
-        }
-    }
-    Ok(Sample { angle, h, a, b })
+    values: Vec<f64>,
+    factor: Vec<f64>,
+    memory: MemBuffer,
+    dense: DenseCholesky,
+    load: Vec<f64>,
+    eliminated: Vec<Vec<f64>>,
 }
 
-/// `X^T K X`, block of columns by block of columns.
-fn quadratic(operators: &OperatorPair, values: &[f64], x: &Mat<f64>) -> Mat<f64> {
-    let (n, m) = (x.nrows(), x.ncols());
-    let mut out = Mat::<f64>::zeros(m, m);
-    let mut column = vec![0.0; n];
-    for first in (0..m).step_by(BLOCK) {
-        let width = BLOCK.min(m - first);
-        let mut kx = Mat::<f64>::zeros(n, width);
-        for j in 0..width {
-            column
-                .iter_mut()
-                .zip(x.col(first + j).iter())
-                .for_each(|(to, from)| *to = *from);
-            if let Some(to) = kx.col_mut(j).try_as_col_major_mut() {
-                operators.apply(values, &column, to.as_slice_mut());
+impl<'a> Sampler<'a> {
+    pub fn new(
+        ports: &'a PortMatrix,
+        operators: &'a OperatorPair,
+        cholesky: &'a SparseCholesky,
+        reference_rate: f64,
+    ) -> Sampler<'a> {
+        Sampler {
+            ports,
+            operators,
+            cholesky,
+            reference_rate,
+            values: vec![0.0; operators.row_idx.len()],
+            factor: vec![0.0; cholesky.len()],
+            memory: cholesky.scratch(1),
+            dense: DenseCholesky::new(ports.contact_len),
+            load: vec![0.0; ports.rows],
+            eliminated: vec![vec![0.0; ports.rows]; ports.others.len()],
+        }
+    }
+
+    /// `H` at `angle`, m x m, exactly symmetric.
+    ///
+    /// # Errors
+    /// [`crate::Error::NotPositiveDefinite`] when the body is not held.
+    pub fn sample(&mut self, angle: f64) -> Result<Mat<f64>> {
+        let (c, d) = shift(angle);
+        let operators = self.operators;
+        operators.combine(c, d / self.reference_rate, &mut self.values);
+        self.cholesky.factor(
+            "the body operator c A + d B (is the body clamped or otherwise held?)",
+            (&operators.col_ptr, &operators.row_idx),
+            &self.values,
+            &mut self.factor,
+            &mut self.memory,
+        )?;
+        let (m, contact) = (self.ports.len(), self.ports.contact_len);
+        let interior = self.ports.rows - contact;
+        self.dense
+            .adopt(self.cholesky.trailing_factor(&self.factor).as_ref());
+        let mut h = Mat::<f64>::zeros(m, m);
+        self.dense
+            .inverse(h.as_mut().submatrix_mut(0, 0, contact, contact));
+        for (port, eliminated) in self.ports.others.iter().zip(&mut self.eliminated) {
+            self.load.fill(0.0);
+            for &(dof, value) in port {
+                self.load[dof] += value;
+            }
+            self.cholesky.reorder(&self.load, eliminated);
+        }
+        let mut loads: Vec<&mut [f64]> =
+            self.eliminated.iter_mut().map(Vec::as_mut_slice).collect();
+        self.cholesky.eliminate_reordered(&self.factor, &mut loads);
+        let compliance = h.as_ref().submatrix(0, 0, contact, contact).to_owned();
+        for (j, y) in self.eliminated.iter().enumerate() {
+            let at = contact + j;
+            let (inside, condensed) = y.split_at(interior);
+            let seen = h.as_mut().submatrix_mut(0, at, contact, 1).col_mut(0);
+            if let Some(seen) = seen.try_as_col_major_mut() {
+                multiply(compliance.as_ref(), condensed, seen.as_slice_mut());
+            }
+            for (i, other) in self.eliminated[..=j].iter().enumerate() {
+                let (other_inside, other_condensed) = other.split_at(interior);
+                let through = dot(&column(h.as_ref(), at)[..contact], other_condensed);
+                h[(contact + i, at)] = dot(inside, other_inside) + through;
             }
         }
-        // only the rows from the block on: the matrix is symmetric
-        matmul(
-            out.as_mut().submatrix_mut(first, first, m - first, width),
-            Accum::Replace,
-            x.as_ref().subcols(first, m - first).transpose(),
-            &kx,
-            1.0,
-            Par::Seq,
-        );
-    }
-    mirror_lower(out.as_mut());
-    out
-}
-
-fn symmetrise(a: &mut Mat<f64>) {
-    for j in 0..a.ncols() {
-        for i in 0..j {
-            let mean = 0.5 * (a[(i, j)] + a[(j, i)]);
-            a[(i, j)] = mean;
-            a[(j, i)] = mean;
+        for j in 0..m {
+            for i in j.max(contact)..m {
+                h[(i, j)] = h[(j, i)];
+            }
         }
+        Ok(h)
     }
 }

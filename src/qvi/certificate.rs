@@ -12,7 +12,7 @@
 
 use crate::error::{Error, Result};
 use crate::fem::{Body, IsotropicForm};
-use crate::linalg::{SparseCholesky, symmetric_eigen};
+use crate::linalg::{SparseCholesky, symmetric_eigenvalues};
 use faer::Mat;
 
 /// What guarantees (or not) that every step has exactly one solution.
@@ -59,29 +59,30 @@ impl Certificate {
     }
 }
 
-/// The certificate for a law of Lipschitz constant `l_g` and the implicit weight `theta_k` (s) of the largest step.
+/// The certificate for a law of Lipschitz constant `l_g` and the implicit weight `theta_k` (s) of the largest step;
+/// `sharp_constant(x, y)` is the smallest eigenvalue of `Omega^-1/2 S Omega^-1/2`, S the condensed operator of `x A + y B`.
 ///
 /// # Errors
-/// [`Error::NotPositiveDefinite`] when the body is not held.
+/// Those of `sharp_constant`.
 pub fn certify(
     body: &Body,
-    cholesky: &SparseCholesky,
     l_g: f64,
     theta_k: f64,
+    mut sharp_constant: impl FnMut(f64, f64) -> Result<f64>,
 ) -> Result<Certificate> {
     let d = body.mesh.dimension as f64;
     let extremes = |form: IsotropicForm| {
         let volumetric = d * form.lambda + form.two_mu;
         (form.two_mu.min(volumetric), form.two_mu.max(volumetric))
     };
-    let smallest = |weights| sharp_constant(body, cholesky, weights);
+    let (x, y) = strain_weights(body);
     Ok(Certificate {
-        c0_squared: 1.0 / smallest(strain_weights(body))?,
+        c0_squared: 1.0 / sharp_constant(x, y)?,
         l_g,
         m_a: extremes(body.viscosity).0,
         l_b: extremes(body.elasticity).1,
-        sharp_instant: smallest((1.0, 0.0))?,
-        sharp_step: smallest((1.0, theta_k))?,
+        sharp_instant: sharp_constant(1.0, 0.0)?,
+        sharp_step: sharp_constant(1.0, theta_k)?,
     })
 }
 
@@ -115,20 +116,43 @@ fn condensed(body: &Body, cholesky: &SparseCholesky, (x, y): (f64, f64)) -> Resu
     Ok(s)
 }
 
-/// Smallest eigenvalue of `Omega^-1/2 S Omega^-1/2`, S the condensed contact operator of `x A + y B`.
+/// Smallest eigenvalue of `Omega^-1/2 S Omega^-1/2`, S the condensed contact operator of `x A + y B`, by a factorization.
 ///
 /// # Errors
 /// [`Error::NotPositiveDefinite`] when the body is not held.
 pub fn sharp_constant(body: &Body, cholesky: &SparseCholesky, weights: (f64, f64)) -> Result<f64> {
     let s = condensed(body, cholesky, weights)?;
+    let values = scaled_eigenvalues(body, &s, |omega| 1.0 / omega.sqrt())?;
+    positive(values.first().copied())
+}
+
+/// The same from the contact compliance `C = S^-1`: one over the largest eigenvalue of `Omega^1/2 C Omega^1/2`.
+///
+/// # Errors
+/// [`Error::Body`] for a compliance that is not positive.
+pub fn sharp_constant_of_compliance(body: &Body, compliance: &Mat<f64>) -> Result<f64> {
+    let values = scaled_eigenvalues(body, compliance, f64::sqrt)?;
+    positive(values.last().map(|largest| 1.0 / largest))
+}
+
+fn scaled_eigenvalues(
+    body: &Body,
+    matrix: &Mat<f64>,
+    scale: impl Fn(f64) -> f64,
+) -> Result<Vec<f64>> {
     let c = body.contact.components;
-    let root: Vec<f64> = (0..s.nrows())
-        .map(|i| 1.0 / body.contact.weights[i / c].sqrt())
+    let scale: Vec<f64> = (0..matrix.nrows())
+        .map(|i| scale(body.contact.weights[i / c]))
         .collect();
-    let scaled = Mat::from_fn(s.nrows(), s.ncols(), |i, j| s[(i, j)] * root[i] * root[j]);
-    let (values, _) = symmetric_eigen("the condensed contact operator", scaled.as_ref())?;
-    match values.first() {
-        Some(&smallest) if smallest > 0.0 => Ok(smallest),
+    let scaled = Mat::from_fn(matrix.nrows(), matrix.ncols(), |i, j| {
+        matrix[(i, j)] * scale[i] * scale[j]
+    });
+    symmetric_eigenvalues("the condensed contact operator", scaled.as_ref())
+}
+
+fn positive(found: Option<f64>) -> Result<f64> {
+    match found {
+        Some(smallest) if smallest > 0.0 => Ok(smallest),
         found => Err(Error::Body {
             what: format!("the condensed contact operator has the eigenvalue {found:?}"),
         }),

@@ -3,5 +3,7 @@
 mod certificate;
 mod scheme;
 
-pub use certificate::{Certificate, certify, sharp_constant, strain_weights};
+pub use certificate::{
+    Certificate, certify, sharp_constant, sharp_constant_of_compliance, strain_weights,
+};
 pub use scheme::{MAX_STAGES, Stage, Tableau};
