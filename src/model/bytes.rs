@@ -20,7 +20,7 @@ use xxhash_rust::xxh3::xxh3_64;
 const FRAME: Frame = Frame {
     magic: *b"SLIPMODL",
     // also to be raised when states or steps of models with equal bytes are no longer interchangeable
-    format: 1,
+    format: 2,
     what: "compiled model",
 };
 

@@ -50,8 +50,11 @@ impl Compilation {
     pub fn on_mesh(scene: &Scene, mesh: Mesh) -> Result<Compilation> {
         let body = Body::assemble_on(scene, mesh)?;
         let operators = &body.operators;
-        let cholesky =
-            SparseCholesky::new(&operators.col_ptr, &operators.row_idx, body.contact_len())?;
+        let cholesky = SparseCholesky::new(
+            &operators.col_ptr,
+            &operators.row_idx,
+            &body.interior_places(),
+        )?;
 
         let kept = keep(scene, &body, &cholesky)?;
         let law = Law::from_scene(&scene.contact.friction);

@@ -28,8 +28,11 @@ impl Field {
     /// Those of [`SparseCholesky::new`].
     pub fn new(body: &Body) -> Result<Field> {
         let operators = body.operators.clone();
-        let cholesky =
-            SparseCholesky::new(&operators.col_ptr, &operators.row_idx, body.contact_len())?;
+        let cholesky = SparseCholesky::new(
+            &operators.col_ptr,
+            &operators.row_idx,
+            &body.interior_places(),
+        )?;
         Ok(Field {
             cholesky,
             contact_len: body.contact_len(),
@@ -107,6 +110,7 @@ impl Field {
         let operators = &self.operators;
         out.indices(&operators.col_ptr);
         out.indices(&operators.row_idx);
+        out.indices(self.cholesky.order());
         out.floats(&operators.a);
         out.floats(&operators.b);
         for vector in self.loads.iter().chain(&self.probes) {
@@ -118,8 +122,7 @@ impl Field {
         }
     }
 
-    /// Reads what [`Field::write`] wrote, for the given numbers of free dofs, contact components, loads and outputs;
-    /// the elimination order is found anew.
+    /// Reads what [`Field::write`] wrote, for the given numbers of free dofs, contact components, loads and outputs.
     ///
     /// # Errors
     /// [`crate::Error::Bytes`].
@@ -132,6 +135,7 @@ impl Field {
     ) -> Result<Field> {
         let col_ptr = from.indices(usize::MAX)?;
         let row_idx = from.indices(n)?;
+        let order = from.indices(n)?;
         let (a, b) = (from.floats()?, from.floats()?);
         let entries = row_idx.len();
         let is_lower_triangle = col_ptr.len() == n.saturating_add(1)
@@ -161,7 +165,7 @@ impl Field {
         let mut vectors = (0..outputs).map(|_| sparse()).collect::<Result<Vec<_>>>()?;
         let probes = vectors.split_off(loads);
         Ok(Field {
-            cholesky: SparseCholesky::new(&col_ptr, &row_idx, contact_len)?,
+            cholesky: SparseCholesky::with_order(&col_ptr, &row_idx, order, contact_len)?,
             contact_len,
             loads: vectors,
             probes,

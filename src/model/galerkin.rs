@@ -8,22 +8,20 @@
 //! i == j   X_i^T A X_i = c_i H_i + d_i H'_i,          X_i^T B X_i = d_i H_i - c_i H'_i
 //! ```
 //!
-//! Ports are first made comparable in energy: the contact by the Cholesky factor of its compliance at the middle sample, so
-//! that forces of every wavelength count alike, the others by their own response. The eigenvectors of the Gram matrix
-//! `X^T A X` then order combinations of the responses by what they add; the first r of them are kept and the pair is diagonalised:
-//! `A = I`, `B = diag(rates)`.
+//! Ports are comparable in energy (see `scaling`), so that contact forces of every wavelength count alike. The eigenvectors
+//! of the Gram matrix `X^T A X` then order combinations of the responses by what they add; the first r of them are kept and the
+//! pair is diagonalised: `A = I`, `B = diag(rates)`.
 
 use super::shifts::{Shifts, shift};
-use crate::error::{Error, Result};
-use crate::linalg::{multiply, multiply_transposed, symmetric_eigen};
+use crate::error::Result;
+use crate::linalg::{column, dot, multiply, multiply_transposed, symmetric_eigen};
 use faer::linalg::matmul::triangular::{BlockStructure, matmul};
-use faer::linalg::triangular_solve::{
-    solve_lower_triangular_in_place, solve_upper_triangular_in_place,
-};
-use faer::{Accum, Mat, MatRef, Par, Side};
+use faer::{Accum, Mat, Par};
 
-/// Combinations whose share of the scaled Gram matrix is below this are dependent to rounding.
+/// Combinations whose share of the energy is below this are dependent to rounding.
 const DEPENDENT: f64 = 1e-13;
+/// Nor are combinations kept whose share is not this many times the error of the derivatives in the Gram matrix.
+const SIGNAL: f64 = 10.0;
 /// Iterations of the power method for the norm of a truncation error; it only has to find its magnitude.
 const POWER_ITERATIONS: usize = 12;
 
@@ -35,35 +33,44 @@ pub struct Projection {
     elasticity: Mat<f64>,
     /// What the orthonormal responses show at the ports: rank x ports.
     seen: Mat<f64>,
-    /// Instantaneous transfer matrix.
+    /// Instantaneous transfer matrix, scaled.
     instantaneous: Mat<f64>,
-    scaling: Scaling,
+    /// Factors of the errors on the contact by the ports that follow it.
+    emphasis: Vec<f64>,
 }
 
 /// The modes of a projection.
 pub struct Modes {
-    /// Rates relative to the reference rate, ascending.
+    /// Rates relative to the reference rate, ascending, brought into the interval of the material: responses that hardly
+    /// add anything carry the errors of the samples, magnified by as much as they are weak.
     pub rates: Vec<f64>,
-    /// Port velocities of every mode: states x ports.
+    /// Largest effect on the scaled transfer matrix of bringing a rate into the interval, and that rate.
+    pub outlier: (f64, f64),
+    /// Scaled port velocities of every mode: states x ports.
     pub ports: Mat<f64>,
-    /// Port forces at every shift that make up a mode: (shifts x ports) x states.
+    /// Scaled port forces at every shift that make up a mode: (shifts x ports) x states.
     pub forces: Mat<f64>,
 }
 
 impl Projection {
-    /// Projects on the shifts, from the samples at all angles.
+    /// Projects on the shifts, from the scaled samples at all angles and the derivatives at the shifts; `emphasis` holds the factors by which errors on the contact
+    /// count that come from the ports that follow it.
     ///
     /// # Errors
-    /// [`Error::NotPositiveDefinite`] when a sample is not the compliance of a body that is held.
-    pub fn new(shifts: &Shifts, samples: &[Mat<f64>], contact_len: usize) -> Result<Projection> {
-        let scaling = Scaling::new(&samples[samples.len() / 2], contact_len)?;
-        let samples: Vec<_> = samples.iter().map(|h| scaling.apply(h)).collect();
-        let (a, b) = loewner(shifts, &samples);
+    /// [`crate::Error::Body`] when the eigenvalues cannot be computed.
+    pub fn new(
+        shifts: &Shifts,
+        samples: &[Mat<f64>],
+        derivatives: &[Mat<f64>],
+        emphasis: &[f64],
+    ) -> Result<Projection> {
+        let (a, b) = loewner(shifts, samples, derivatives);
         let (size, m) = (a.nrows(), samples[0].nrows());
 
         let (gram, vectors) = symmetric_eigen("the Gram matrix of the reduction", a.as_ref())?;
-        let largest = gram.last().copied().unwrap_or(0.0);
-        let rank = gram.iter().filter(|g| **g > DEPENDENT * largest).count();
+        // the strongest combination of contact forces has about as many units of energy as there are shifts
+        let weakest = DEPENDENT.max(SIGNAL * shifts.derivative_error) * shifts.count() as f64;
+        let rank = gram.iter().filter(|g| **g > weakest).count();
         // strongest first
         let responses = Mat::from_fn(size, rank, |i, j| {
             let at = size - 1 - j;
@@ -72,14 +79,14 @@ impl Projection {
         let mut stacked = Mat::<f64>::zeros(size, m);
         for i in 0..shifts.count() {
             let mut rows = stacked.as_mut().subrows_mut(i * m, m);
-            rows.copy_from(&samples[shifts.at(i)]);
+            rows.copy_from(&samples[shifts.shifts[i]]);
         }
         Ok(Projection {
             seen: responses.transpose() * &stacked,
             responses,
             elasticity: b,
-            instantaneous: samples[0].clone(),
-            scaling,
+            instantaneous: samples[shifts.tests[0]].clone(),
+            emphasis: emphasis.to_vec(),
         })
     }
 
@@ -88,7 +95,11 @@ impl Projection {
         self.responses.ncols()
     }
 
-    /// The fewest responses whose instantaneous transfer matrix is right to `tolerance` in energy.
+    fn contact_len(&self) -> usize {
+        self.seen.ncols() - self.emphasis.len()
+    }
+
+    /// The fewest responses whose instantaneous transfer matrix is right to `tolerance`.
     pub fn rank_for(&self, tolerance: f64) -> usize {
         let (mut low, mut high) = (1, self.rank());
         while low < high {
@@ -102,24 +113,50 @@ impl Projection {
         low
     }
 
-    /// Norm of what the first `rank` responses miss of the instantaneous transfer matrix, which is never negative.
+    /// What the first `rank` responses miss of the instantaneous transfer matrix, as [`super::reduction`] measures errors.
     fn truncation_error(&self, rank: usize) -> f64 {
         let seen = self.seen.get(..rank, ..);
-        let m = seen.ncols();
+        let contact = self.contact_len();
+        let mut missed = vec![0.0; seen.ncols()];
+        let mut worst = self.missed_on_contact(rank);
+        for (j, emphasis) in (contact..seen.ncols()).zip(&self.emphasis) {
+            multiply_transposed(seen, column(seen, j), &mut missed);
+            for (missed, whole) in missed
+                .iter_mut()
+                .zip(column(self.instantaneous.as_ref(), j))
+            {
+                *missed = whole - *missed;
+            }
+            let own = |i: usize| self.instantaneous[(i, i)].max(f64::MIN_POSITIVE).sqrt();
+            let on_contact = dot(&missed[..contact], &missed[..contact]).sqrt();
+            worst = worst.max(emphasis * on_contact / own(j));
+            for i in contact..missed.len() {
+                worst = worst.max(missed[i].abs() / (own(i) * own(j)));
+            }
+        }
+        worst
+    }
+
+    /// Norm of what the first `rank` responses miss of the contact compliance, which is never negative.
+    fn missed_on_contact(&self, rank: usize) -> f64 {
+        let contact = self.contact_len();
+        let seen = self.seen.get(..rank, ..contact);
+        let whole = self.instantaneous.get(..contact, ..contact);
         // no symmetry of a mesh is orthogonal to this start
-        let mut v: Vec<f64> = (0..m).map(|i| 1.0 + (i as f64 + 1.0).sin()).collect();
-        let (mut modes, mut back, mut missed) = (vec![0.0; rank], vec![0.0; m], vec![0.0; m]);
+        let mut v: Vec<f64> = (0..contact).map(|i| 1.0 + (i as f64 + 1.0).sin()).collect();
+        let (mut modes, mut back, mut missed) =
+            (vec![0.0; rank], vec![0.0; contact], vec![0.0; contact]);
         let mut norm = 0.0;
         for _ in 0..POWER_ITERATIONS {
-            let length = v.iter().map(|v| v * v).sum::<f64>().sqrt();
+            let length = dot(&v, &v).sqrt();
             v.iter_mut().for_each(|v| *v /= length);
-            multiply(self.instantaneous.as_ref(), &v, &mut missed);
+            multiply(whole, &v, &mut missed);
             multiply(seen, &v, &mut modes);
             multiply_transposed(seen, &modes, &mut back);
             for ((v, missed), back) in v.iter_mut().zip(&missed).zip(&back) {
                 *v = missed - back;
             }
-            norm = v.iter().map(|v| v * v).sum::<f64>().sqrt();
+            norm = dot(&v, &v).sqrt();
             if norm == 0.0 {
                 break;
             }
@@ -127,11 +164,11 @@ impl Projection {
         norm
     }
 
-    /// The modes on the first `rank` responses.
+    /// The modes on the first `rank` responses; their rates are those of a body with rates in `interval`.
     ///
     /// # Errors
     /// [`Error::Body`] when the eigenvalues cannot be computed.
-    pub fn modes(&self, rank: usize) -> Result<Modes> {
+    pub fn modes(&self, rank: usize, [low, high]: [f64; 2]) -> Result<Modes> {
         let basis = self.responses.get(.., ..rank);
         let half = &self.elasticity * basis;
         let mut pair = Mat::<f64>::zeros(rank, rank);
@@ -146,34 +183,48 @@ impl Projection {
             1.0,
             Par::Seq,
         );
-        let (rates, rotation) = symmetric_eigen("the reduced elasticity", pair.as_ref())?;
+        let (mut rates, rotation) = symmetric_eigen("the reduced elasticity", pair.as_ref())?;
         let ports = rotation.transpose() * self.seen.get(..rank, ..);
-        let mut forces = basis * rotation;
-        let m = self.seen.ncols();
-        for shift in 0..forces.nrows() / m {
-            let rows = forces.as_mut().subrows_mut(shift * m, m);
-            self.scaling.apply_to_forces(rows);
+        let mut outlier = (0.0, 0.0);
+        for (j, rate) in rates.iter_mut().enumerate() {
+            let inside = rate.clamp(low, high);
+            if inside != *rate {
+                let share = ports.row(j).squared_norm_l2();
+                let effect = share * (*rate - inside).abs() / high;
+                if effect > outlier.0 {
+                    outlier = (effect, *rate);
+                }
+                *rate = inside;
+            }
         }
         Ok(Modes {
             rates,
-            ports: self.scaling.unapply(&ports),
-            forces,
+            outlier,
+            ports,
+            forces: basis * rotation,
         })
     }
 }
 
 /// The projected pair `(X^T A X, X^T B X)` over all shifts, from samples of the transfer matrix.
-fn loewner(shifts: &Shifts, samples: &[Mat<f64>]) -> (Mat<f64>, Mat<f64>) {
+fn loewner(
+    shifts: &Shifts,
+    samples: &[Mat<f64>],
+    derivatives: &[Mat<f64>],
+) -> (Mat<f64>, Mat<f64>) {
     let (m, count) = (samples[0].nrows(), shifts.count());
     let size = count * m;
     let (mut a, mut b) = (Mat::<f64>::zeros(size, size), Mat::<f64>::zeros(size, size));
     for i in 0..count {
-        let hi = &samples[shifts.at(i)];
-        let (ci, di) = shift(shifts.angles[shifts.at(i)]);
+        let hi = &samples[shifts.shifts[i]];
+        let (ci, di) = shift(shifts.angle(i));
         for j in 0..count {
-            let derivative = (i == j).then(|| shifts.derivative(i, samples));
-            let hj = derivative.as_ref().unwrap_or(&samples[shifts.at(j)]);
-            let (cj, dj) = shift(shifts.angles[shifts.at(j)]);
+            let hj = if i == j {
+                &derivatives[i]
+            } else {
+                &samples[shifts.shifts[j]]
+            };
+            let (cj, dj) = shift(shifts.angle(j));
             // weights of H_i and of H_j, or of H' on the diagonal
             let (a_weights, b_weights) = if i == j {
                 ((ci, di), (di, -ci))
@@ -191,91 +242,4 @@ fn loewner(shifts: &Shifts, samples: &[Mat<f64>]) -> (Mat<f64>, Mat<f64>) {
         }
     }
     (a, b)
-}
-
-/// Scales of the ports: `L` of the contact compliance `L L^T`, and roots of the own responses of the other ports.
-struct Scaling {
-    lower: Mat<f64>,
-    others: Vec<f64>,
-}
-
-impl Scaling {
-    fn new(h: &Mat<f64>, contact_len: usize) -> Result<Scaling> {
-        Ok(Scaling {
-            lower: compliance_factor(h.get(..contact_len, ..contact_len))?,
-            others: (contact_len..h.nrows())
-                .map(|i| {
-                    if h[(i, i)] > 0.0 {
-                        h[(i, i)].sqrt()
-                    } else {
-                        1.0
-                    }
-                })
-                .collect(),
-        })
-    }
-
-    /// `T^-1 H T^-T`, `T = diag(L, scales)`; exactly symmetric.
-    fn apply(&self, h: &Mat<f64>) -> Mat<f64> {
-        let contact = self.lower.nrows();
-        let mut scaled = h.clone();
-        for _ in 0..2 {
-            let rows = scaled.as_mut().subrows_mut(0, contact);
-            solve_lower_triangular_in_place(self.lower.as_ref(), rows, Par::Seq);
-            for (i, scale) in self.others.iter().enumerate() {
-                let row = scaled.row_mut(contact + i);
-                row.iter_mut().for_each(|v| *v /= scale);
-            }
-            scaled = scaled.transpose().to_owned();
-        }
-        for j in 0..scaled.ncols() {
-            for i in 0..j {
-                let mean = 0.5 * (scaled[(i, j)] + scaled[(j, i)]);
-                scaled[(i, j)] = mean;
-                scaled[(j, i)] = mean;
-            }
-        }
-        scaled
-    }
-
-    /// `Y T^T`: port velocities of modes (states x ports) back from scaled ports.
-    fn unapply(&self, ports: &Mat<f64>) -> Mat<f64> {
-        let contact = self.lower.nrows();
-        let mut out = ports.clone();
-        let product = ports.get(.., ..contact) * self.lower.transpose();
-        out.as_mut().subcols_mut(0, contact).copy_from(&product);
-        for (i, scale) in self.others.iter().enumerate() {
-            let column = out.col_mut(contact + i);
-            column.iter_mut().for_each(|v| *v *= scale);
-        }
-        out
-    }
-
-    /// `T^-T F`, in place: forces at the ports from forces at the scaled ports.
-    fn apply_to_forces(&self, mut forces: faer::MatMut<f64>) {
-        let contact = self.lower.nrows();
-        solve_upper_triangular_in_place(
-            self.lower.transpose(),
-            forces.as_mut().subrows_mut(0, contact),
-            Par::Seq,
-        );
-        for (i, scale) in self.others.iter().enumerate() {
-            let row = forces.as_mut().row_mut(contact + i);
-            row.iter_mut().for_each(|v| *v /= scale);
-        }
-    }
-}
-
-/// Lower Cholesky factor of a contact compliance.
-///
-/// # Errors
-/// [`Error::NotPositiveDefinite`].
-pub fn compliance_factor(compliance: MatRef<f64>) -> Result<Mat<f64>> {
-    let factor = compliance
-        .llt(Side::Lower)
-        .map_err(|_| Error::NotPositiveDefinite {
-            what: "the contact compliance",
-            pivot: 0,
-        })?;
-    Ok(factor.L().to_owned())
 }

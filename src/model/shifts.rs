@@ -1,9 +1,13 @@
 //! Where the transfer matrix is sampled, decided before any factorization from the interval of relaxation rates alone.
 //!
 //! Every entry of the transfer matrix is `int dmu(r) / (c + d r)`, `c = cos phi`, `d = sin phi`, over the rates that the
-//! material allows. The `S = 2 K + 1` angles are Chebyshev-Lobatto points of the quarter turn. The odd ones are the shifts of
-//! the Galerkin projection; the even ones, among them the two ends, test it. All of them together give the derivative by the
-//! angle at the shifts: with `S` poles inside the interval of rates,
+//! material allows. Positive shifts `s = c / d` on one side and rates on the other are the two sets of Zolotarev's third
+//! problem: with `x = (s - 1) / (s + 1)` (rates relative to their geometric mean, the slowest one q) they are `[-1, 1]` and what lies
+//! beyond `1 / kappa`, `kappa = (1 - q) / (1 + q)`. Samples stand at `x = sn(u, kappa)`, `2 K + 1` of them even in u over
+//! the quarter periods: the odd ones are Zolotarev's zeros and become the shifts of the Galerkin projection, the even ones, among them
+//! the two ends, are where its error is largest, and test it. The derivative by the angle at the shifts comes from all S samples;
+//! where it asks for more, a few stand beyond the two ends, where `c A + d B` is still positive (differences of samples on one
+//! side only would magnify their rounding errors). With S poles inside the interval of rates,
 //!
 //! ```text
 //! h(phi) prod_l (c + d r_l) = sum_j q_j prod_{k != j} sin(phi - phi_k) / sin(phi_j - phi_k)
@@ -11,28 +15,47 @@
 //!
 //! interpolates `h` with an error that falls geometrically in `S` (rational interpolation with prescribed poles; the
 //! narrower the interval, the faster: about 20 times per angle for the paper's material, twice that order for the projection).
+//!
+//! The optimal points: Beckermann and Townsend, SIAM Review 61 (2019); `sn` by descending Landen transformations.
 
 use faer::{Col, Mat, Side};
-use std::f64::consts::FRAC_PI_4;
+use std::f64::consts::FRAC_PI_2;
 
 /// Most shifts that are tried before a tolerance is given up.
 const MOST_SHIFTS: usize = 16;
-/// Share of the tolerance that the projection of the model spectrum may use.
+/// Share of the tolerance that the projection of the model spectrum may use: friction that weakens magnifies errors of the body.
 const SHARE: f64 = 0.5;
+/// Share of the tolerance that the derivatives may be wrong by: the weakest responses that a reduction keeps are a hundredth of
+/// the tolerance (loads are asked for more), and their derivatives have to be right to a hundredth.
+const DERIVATIVE_SHARE: f64 = 1e-4;
+/// Derivatives are not asked for below this: rounding of the samples.
+const DERIVATIVE_FLOOR: f64 = 1e-14;
+/// Most samples beyond each end.
+const MOST_OUTER: usize = 3;
+/// Place of the outermost one between the end and the rates, on a logarithmic scale.
+const OUTERMOST: f64 = 0.22;
+/// Modulus that is taken for rates that are all equal.
+const NARROWEST: f64 = 0.05;
 /// Rates of the model spectrum.
 const MODEL_RATES: usize = 48;
 
 /// Angles of the samples, and how they are used.
 pub struct Shifts {
-    /// Angles, ascending, `2 K + 1` of them from 0 to a quarter turn; the odd ones are the shifts.
+    /// Angles, ascending, from 0 to a quarter turn and a little beyond.
     pub angles: Vec<f64>,
+    /// Indices of the angles that are shifts.
+    pub shifts: Vec<usize>,
+    /// Indices of the angles that test the projection: the first one is the instantaneous response, the last one the long-time one.
+    pub tests: Vec<usize>,
     /// Weights of the derivative by the angle at shift i (row) from the samples (column).
     derivative: Vec<Vec<f64>>,
+    /// Largest error of a derivative, relative to the response of one rate.
+    pub derivative_error: f64,
 }
 
 /// `(c, d)` of an angle; exact at the two ends.
 pub fn shift(angle: f64) -> (f64, f64) {
-    if angle == 2.0 * FRAC_PI_4 {
+    if angle == FRAC_PI_2 {
         (0.0, 1.0)
     } else {
         (angle.cos(), angle.sin())
@@ -44,39 +67,75 @@ impl Shifts {
     /// as the model spectrum of [`projection_error`] tells; `None` when there would be too many.
     pub fn for_tolerance(interval: [f64; 2], tolerance: f64) -> Option<Shifts> {
         (1..=MOST_SHIFTS)
-            .find(|&count| projection_error(interval, &lobatto(count)) <= SHARE * tolerance)
-            .map(|count| Shifts::new(interval, count))
+            .find(|&count| {
+                projection_error(interval, &zolotarev_angles(interval, count)) <= SHARE * tolerance
+            })
+            .map(|count| Shifts::new(interval, count, tolerance))
     }
 
-    /// `count` shifts.
-    pub fn new(interval: [f64; 2], count: usize) -> Shifts {
-        let angles = lobatto(count);
+    /// `count` shifts with derivatives fit for `tolerance`, as far as samples beyond the ends can make them so.
+    pub fn new(interval: [f64; 2], count: usize, tolerance: f64) -> Shifts {
+        let needed = (DERIVATIVE_SHARE * tolerance).max(DERIVATIVE_FLOOR);
+        let mut extra = 0;
+        loop {
+            let shifts = Shifts::with_outer_samples(interval, count, extra);
+            if shifts.derivative_error <= needed || extra == MOST_OUTER {
+                return shifts;
+            }
+            extra += 1;
+        }
+    }
+
+    /// `count` shifts, and `extra` samples beyond each end.
+    fn with_outer_samples(interval: [f64; 2], count: usize, extra: usize) -> Shifts {
+        let kappa = modulus(slowest(interval));
+        // between the end (1) and the rates (1 / kappa)
+        let outer = |j: usize| {
+            kappa
+                .max(NARROWEST)
+                .powf(-OUTERMOST * j as f64 / extra as f64)
+        };
+        let mut angles: Vec<f64> = (1..=extra).rev().map(|j| angle_of(outer(j))).collect();
+        let ends_at = angles.len();
+        angles.extend(zolotarev_angles(interval, count));
+        angles.extend((1..=extra).map(|j| angle_of(-outer(j))));
+        let shifts: Vec<usize> = (0..count).map(|i| ends_at + 2 * i + 1).collect();
+        let tests: Vec<usize> = (0..=count).map(|i| ends_at + 2 * i).collect();
         let poles = spread(interval, angles.len());
-        let derivative = (0..count)
-            .map(|i| derivative_weights(&angles, &poles, 2 * i + 1))
+        let derivative: Vec<_> = shifts
+            .iter()
+            .map(|&at| derivative_weights(&angles, &poles, at))
             .collect();
-        Shifts { angles, derivative }
+        let derivative_error = derivative_error(interval, &angles, &shifts, &derivative);
+        Shifts {
+            angles,
+            shifts,
+            tests,
+            derivative,
+            derivative_error,
+        }
     }
 
     /// One more shift.
-    pub fn refined(&self, interval: [f64; 2]) -> Option<Shifts> {
+    pub fn refined(&self, interval: [f64; 2], tolerance: f64) -> Option<Shifts> {
         let count = self.count() + 1;
-        (count <= MOST_SHIFTS).then(|| Shifts::new(interval, count))
+        (count <= MOST_SHIFTS).then(|| Shifts::new(interval, count, tolerance))
     }
 
     /// Number of shifts.
     pub fn count(&self) -> usize {
-        self.derivative.len()
+        self.shifts.len()
     }
 
-    /// Index of shift `i` among the angles.
-    pub fn at(&self, i: usize) -> usize {
-        2 * i + 1
+    /// Angle of shift `i`.
+    pub fn angle(&self, i: usize) -> f64 {
+        self.angles[self.shifts[i]]
     }
 
-    /// Indices of the angles that test the projection.
-    pub fn tests(&self) -> impl Iterator<Item = usize> {
-        (0..self.angles.len()).step_by(2)
+    /// The shifts as `s = c / d` in 1/s, descending.
+    pub fn rates(&self, reference_rate: f64) -> Vec<f64> {
+        let angles = (0..self.count()).map(|i| self.angle(i));
+        angles.map(|angle| reference_rate / angle.tan()).collect()
     }
 
     /// Derivative by the angle at shift `i` of what was sampled at the angles.
@@ -93,22 +152,64 @@ impl Shifts {
     }
 }
 
-/// Chebyshev-Lobatto angles of the quarter turn for `count` shifts.
-fn lobatto(count: usize) -> Vec<f64> {
+/// Zolotarev's zeros (odd) and the extremes between them (even) for `count` zeros, ascending from 0 to a quarter turn.
+fn zolotarev_angles(interval: [f64; 2], count: usize) -> Vec<f64> {
     let last = 2 * count;
     (0..=last)
-        .map(|k| match k {
+        .map(|i| match i {
             0 => 0.0,
-            k if k == last => 2.0 * FRAC_PI_4,
-            k => FRAC_PI_4 * (1.0 - (2.0 * FRAC_PI_4 * k as f64 / count as f64).cos()),
+            i if i == last => FRAC_PI_2,
+            i => angle_of(sine_amplitude(
+                slowest(interval),
+                1.0 - i as f64 / count as f64,
+            )),
         })
         .collect()
 }
 
-/// Chebyshev points of an interval on the logarithmic scale.
-fn spread([low, high]: [f64; 2], count: usize) -> Vec<f64> {
-    let at = |k: usize| 0.5 * (1.0 - (4.0 * FRAC_PI_4 * (k as f64 + 0.5) / count as f64).cos());
-    (0..count).map(|k| low * (high / low).powf(at(k))).collect()
+/// Angle of `x = (s - 1) / (s + 1)`, `s = c / d`.
+fn angle_of(x: f64) -> f64 {
+    (1.0 - x).atan2(1.0 + x)
+}
+
+/// `count` rates of the interval: Zolotarev's poles.
+fn spread(interval: [f64; 2], count: usize) -> Vec<f64> {
+    let slowest = slowest(interval);
+    let kappa = modulus(slowest);
+    let mean = (interval[0] * interval[1]).sqrt();
+    (0..count)
+        .map(|i| {
+            let t = (2 * i + 1) as f64 / count as f64 - 1.0;
+            let x = kappa * sine_amplitude(slowest, t);
+            mean * (1.0 + x) / (1.0 - x)
+        })
+        .collect()
+}
+
+/// Slowest rate relative to the geometric mean.
+fn slowest([low, high]: [f64; 2]) -> f64 {
+    (low / high).sqrt()
+}
+
+fn modulus(slowest: f64) -> f64 {
+    (1.0 - slowest) / (1.0 + slowest)
+}
+
+/// `sn(t K, kappa)` with the quarter period K and the modulus of [`modulus`], for t in [-1, 1].
+fn sine_amplitude(slowest: f64, t: f64) -> f64 {
+    // the complementary modulus, free of cancellation
+    let (mut a, mut b) = (1.0_f64, 2.0 * slowest.sqrt() / (1.0 + slowest));
+    let mut ratios = Vec::new();
+    while (a - b).abs() > f64::EPSILON * a && ratios.len() < 40 {
+        let half_gap = 0.5 * (a - b);
+        (a, b) = (0.5 * (a + b), (a * b).sqrt());
+        ratios.push(half_gap / a);
+    }
+    let mut phase = 2.0_f64.powi(ratios.len() as i32) * FRAC_PI_2 * t;
+    for ratio in ratios.iter().rev() {
+        phase = 0.5 * (phase + (ratio * phase.sin()).asin());
+    }
+    phase.sin()
 }
 
 /// Weights of `h'(angles[i])` from the values of `h` at the angles, exact for combinations of `1 / (c + d pole)`.
@@ -136,6 +237,33 @@ fn derivative_weights(angles: &[f64], poles: &[f64], i: usize) -> Vec<f64> {
             }
         })
         .collect()
+}
+
+/// Largest error of the derivatives of the responses `1 / (c + d r)` of rates of the interval, relative to the response.
+fn derivative_error(
+    interval: [f64; 2],
+    angles: &[f64],
+    shifts: &[usize],
+    weights: &[Vec<f64>],
+) -> f64 {
+    let response = |angle: f64, rate: f64| {
+        let (c, d) = shift(angle);
+        1.0 / (c + d * rate)
+    };
+    let mut worst: f64 = 0.0;
+    for rate in spread(interval, MODEL_RATES) {
+        for (&at, weights) in shifts.iter().zip(weights) {
+            let (c, d) = shift(angles[at]);
+            let h = response(angles[at], rate);
+            let sum: f64 = angles
+                .iter()
+                .zip(weights)
+                .map(|(&angle, weight)| weight * response(angle, rate))
+                .sum();
+            worst = worst.max((sum - h * h * (d - rate * c)).abs() / h);
+        }
+    }
+    worst
 }
 
 /// Error of the projection on the shifts among `angles`, at the other angles, for one port that excites rates spread evenly
@@ -192,10 +320,56 @@ mod tests {
         assert_eq!(count([1e-9, 1e9], 1e-12), None);
     }
 
+    /// Abramowitz and Stegun, Table 17.1 and 16.5.2: `sn(K / 2) = (1 + k')^(-1/2)`, `sn(K) = 1`.
+    #[test]
+    fn the_sine_amplitude_has_its_half_period_value() {
+        for slowest in [1.0, 0.7, 0.1, 1e-4] {
+            let complementary = 2.0 * f64::sqrt(slowest) / (1.0 + slowest);
+            let half = 1.0 / (1.0 + complementary).sqrt();
+            assert!((sine_amplitude(slowest, 0.5) - half).abs() < 1e-14);
+            assert!((sine_amplitude(slowest, 1.0) - 1.0).abs() < 1e-14);
+            assert_eq!(sine_amplitude(slowest, 0.0), 0.0);
+        }
+    }
+
+    #[test]
+    fn outer_samples_sharpen_the_derivatives() {
+        for tolerance in [1e-4, 1e-6, 1e-8, 1e-9] {
+            let shifts = Shifts::for_tolerance(INTERVAL, tolerance).unwrap();
+            println!(
+                "{tolerance} {} {} {}",
+                shifts.count(),
+                shifts.angles.len(),
+                shifts.derivative_error
+            );
+            assert!(shifts.angles.is_sorted());
+            let plain = Shifts::with_outer_samples(INTERVAL, shifts.count(), 0);
+            assert!(shifts.angles.len() > plain.angles.len());
+            assert!(shifts.derivative_error < 0.1 * plain.derivative_error);
+            assert_eq!(shifts.angles[shifts.tests[0]], 0.0);
+            assert_eq!(shifts.angles[*shifts.tests.last().unwrap()], FRAC_PI_2);
+            // the operators of all samples are positive
+            for angle in &shifts.angles {
+                assert!(INTERVAL.iter().all(|r| angle.cos() + angle.sin() * r > 0.3));
+            }
+        }
+    }
+
+    #[test]
+    fn poles_are_rates_of_the_interval() {
+        for interval in [INTERVAL, [1.0, 1.0], [1e-3, 1e3]] {
+            let poles = spread(interval, 9);
+            let inside =
+                |r: &f64| *r >= interval[0] * (1.0 - 1e-12) && *r <= interval[1] * (1.0 + 1e-12);
+            assert!(poles.iter().all(inside), "{poles:?}");
+        }
+    }
+
     #[test]
     fn derivatives_of_responses_are_as_sharp_as_the_projection() {
         for (count, allowed) in [(2, 1e-5), (3, 5e-8), (4, 2e-10), (5, 2e-12)] {
-            let shifts = Shifts::new(INTERVAL, count);
+            let shifts = Shifts::with_outer_samples(INTERVAL, count, 0);
+            assert!(shifts.derivative_error < allowed);
             for rate in [0.73, 0.9, 1.0, 1.2, 1.37] {
                 let samples: Vec<_> = shifts
                     .angles
@@ -205,8 +379,8 @@ mod tests {
                     })
                     .collect();
                 for i in 0..count {
-                    let angle = shifts.angles[shifts.at(i)];
-                    let h = samples[shifts.at(i)][(0, 0)];
+                    let angle = shifts.angle(i);
+                    let h = samples[shifts.shifts[i]][(0, 0)];
                     let exact = h * h * (angle.sin() - rate * angle.cos());
                     let error = (shifts.derivative(i, &samples)[(0, 0)] - exact).abs();
                     assert!(error < allowed, "{count} shifts, rate {rate}: {error:e}");

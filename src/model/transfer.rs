@@ -2,11 +2,18 @@
 //!
 //! Ports are the tangential contact dofs, the loads and the probes; `P` is their n x m matrix. For the projective shift
 //! `(c, d)` with `c^2 + d^2 = 1`, and `B` scaled by the reference rate, `H = P^T (c A + d B)^-1 P`. With the contact eliminated
-//! last, `K = L L^T` holds the block of the contact in its trailing block: `(L_cc L_cc^T)^-1`. The other ports need one
+//! last, the trailing block L of the factor is that of the contact, `H_cc = (L L^T)^-1`, and the other ports need one
 //! elimination each:
 //!
 //! ```text
-//! y = L_ii^-1 p_i,   r = p_c - L_ci y,   H_cj = (L_cc L_cc^T)^-1 r_j,   H_jk = y_j . y_k + r_j . H_ck
+//! y_j = L_ii^-1 p_i,   r_j = p_c - L_ci y_j,   H_cj = L^-T L^-1 r_j,   H_jk = y_j . y_k + L^-1 r_j . L^-1 r_k
+//! ```
+//!
+//! The derivative by the angle, `H' = -X^T (-d A + c B) X`, is had column by column with one more substitution and elimination
+//! each, for these ports and for a few contact forces of the caller:
+//!
+//! ```text
+//! x_j = L^-T [y_j, L_cc^-1 r_j],   v_j = (-d A + c B) x_j,   H'_cj = -L_cc^-T (L^-1 v_j)_c,   H'_jk = -x_j . v_k
 //! ```
 //!
 //! Angle 0 is the instantaneous (viscous) response, a quarter turn the long-time (elastic) one.
@@ -14,9 +21,12 @@
 use super::shifts::shift;
 use crate::error::Result;
 use crate::fem::{Body, OperatorPair};
-use crate::linalg::{DenseCholesky, SparseCholesky, column, dot, multiply};
+use crate::linalg::{SparseCholesky, column, dot};
 use dyn_stack::MemBuffer;
-use faer::Mat;
+use faer::linalg::triangular_solve::{
+    solve_lower_triangular_in_place, solve_upper_triangular_in_place,
+};
+use faer::{Mat, Par};
 
 /// The ports of a body: contact dofs, then loads, then probes.
 pub struct PortMatrix {
@@ -44,11 +54,15 @@ impl PortMatrix {
         self.contact_len + self.others.len()
     }
 
+    /// Dofs that are not in contact.
+    fn interior(&self) -> usize {
+        self.rows - self.contact_len
+    }
+
     /// `P y`, into `out`.
     pub fn expand(&self, y: &[f64], out: &mut [f64]) {
         out.fill(0.0);
-        let interior = self.rows - self.contact_len;
-        out[interior..].copy_from_slice(&y[..self.contact_len]);
+        out[self.interior()..].copy_from_slice(&y[..self.contact_len]);
         for (column, y) in self.others.iter().zip(&y[self.contact_len..]) {
             for &(dof, value) in column {
                 out[dof] += value * y;
@@ -57,16 +71,34 @@ impl PortMatrix {
     }
 }
 
+/// The transfer matrix at one angle, in factors.
+pub struct Sample {
+    /// Trailing block L of the factor, lower triangular: contact x contact.
+    pub lower: Mat<f64>,
+    /// `L^-1 r_j` of the ports that follow the contact: contact x others.
+    pub condensed: Mat<f64>,
+    /// `y_j . y_k`: what these ports do with the contact held: others x others.
+    pub inside: Mat<f64>,
+}
+
+/// Columns of the derivative by the angle, for the ports that follow the contact and then the contact forces given.
+pub struct Derivative {
+    /// `(L^-1 v_j)_c`, so that `H'_cj = -L^-T` of it: contact x columns.
+    pub condensed: Mat<f64>,
+    /// `x_j . v_k`, minus `H'_jk`: others x columns.
+    pub inside: Mat<f64>,
+}
+
 /// Samples the transfer matrix, with B divided by a reference rate; its memory serves all samples.
 pub struct Sampler<'a> {
     ports: &'a PortMatrix,
     operators: &'a OperatorPair,
     cholesky: &'a SparseCholesky,
     reference_rate: f64,
+    angle: f64,
     values: Vec<f64>,
     factor: Vec<f64>,
     memory: MemBuffer,
-    dense: DenseCholesky,
     load: Vec<f64>,
     eliminated: Vec<Vec<f64>>,
 }
@@ -83,21 +115,22 @@ impl<'a> Sampler<'a> {
             operators,
             cholesky,
             reference_rate,
+            angle: 0.0,
             values: vec![0.0; operators.row_idx.len()],
             factor: vec![0.0; cholesky.len()],
             memory: cholesky.scratch(1),
-            dense: DenseCholesky::new(ports.contact_len),
             load: vec![0.0; ports.rows],
             eliminated: vec![vec![0.0; ports.rows]; ports.others.len()],
         }
     }
 
-    /// `H` at `angle`, m x m, exactly symmetric.
+    /// The sample at `angle`.
     ///
     /// # Errors
     /// [`crate::Error::NotPositiveDefinite`] when the body is not held.
-    pub fn sample(&mut self, angle: f64) -> Result<Mat<f64>> {
+    pub fn sample(&mut self, angle: f64) -> Result<Sample> {
         let (c, d) = shift(angle);
+        self.angle = angle;
         let operators = self.operators;
         operators.combine(c, d / self.reference_rate, &mut self.values);
         self.cholesky.factor(
@@ -107,13 +140,6 @@ impl<'a> Sampler<'a> {
             &mut self.factor,
             &mut self.memory,
         )?;
-        let (m, contact) = (self.ports.len(), self.ports.contact_len);
-        let interior = self.ports.rows - contact;
-        self.dense
-            .adopt(self.cholesky.trailing_factor(&self.factor).as_ref());
-        let mut h = Mat::<f64>::zeros(m, m);
-        self.dense
-            .inverse(h.as_mut().submatrix_mut(0, 0, contact, contact));
         for (port, eliminated) in self.ports.others.iter().zip(&mut self.eliminated) {
             self.load.fill(0.0);
             for &(dof, value) in port {
@@ -121,28 +147,81 @@ impl<'a> Sampler<'a> {
             }
             self.cholesky.reorder(&self.load, eliminated);
         }
-        let mut loads: Vec<&mut [f64]> =
-            self.eliminated.iter_mut().map(Vec::as_mut_slice).collect();
-        self.cholesky.eliminate_reordered(&self.factor, &mut loads);
-        let compliance = h.as_ref().submatrix(0, 0, contact, contact).to_owned();
-        for (j, y) in self.eliminated.iter().enumerate() {
-            let at = contact + j;
-            let (inside, condensed) = y.split_at(interior);
-            let seen = h.as_mut().submatrix_mut(0, at, contact, 1).col_mut(0);
-            if let Some(seen) = seen.try_as_col_major_mut() {
-                multiply(compliance.as_ref(), condensed, seen.as_slice_mut());
-            }
-            for (i, other) in self.eliminated[..=j].iter().enumerate() {
-                let (other_inside, other_condensed) = other.split_at(interior);
-                let through = dot(&column(h.as_ref(), at)[..contact], other_condensed);
-                h[(contact + i, at)] = dot(inside, other_inside) + through;
-            }
-        }
-        for j in 0..m {
-            for i in j.max(contact)..m {
-                h[(i, j)] = h[(j, i)];
-            }
-        }
-        Ok(h)
+        let lower = self.cholesky.trailing_factor(&self.factor);
+        let condensed = eliminate(self.cholesky, &self.factor, &lower, &mut self.eliminated);
+        let (others, interior) = (self.eliminated.len(), self.ports.interior());
+        let inside = Mat::from_fn(others, others, |i, j| {
+            let (yi, yj) = (&self.eliminated[i], &self.eliminated[j]);
+            dot(&yi[..interior], &yj[..interior])
+        });
+        Ok(Sample {
+            lower,
+            condensed,
+            inside,
+        })
     }
+
+    /// Columns of the derivative at the angle of the last `sample`, for the ports that follow the contact and for contact
+    /// `forces` (contact x columns).
+    pub fn derivative(&self, sample: &Sample, forces: &Mat<f64>) -> Derivative {
+        let (n, contact, interior) = (self.ports.rows, forces.nrows(), self.ports.interior());
+        let others = self.eliminated.len();
+        let (c, d) = shift(self.angle);
+        let mut turned = vec![0.0; self.values.len()];
+        self.operators
+            .combine(-d, c / self.reference_rate, &mut turned);
+
+        // contact parts of the solutions: L_cc^-T of what is condensed
+        let mut on_contact = Mat::<f64>::zeros(contact, others + forces.ncols());
+        let mut of_others = on_contact.as_mut().subcols_mut(0, others);
+        of_others.copy_from(&sample.condensed);
+        let mut of_forces = on_contact.as_mut().subcols_mut(others, forces.ncols());
+        of_forces.copy_from(forces);
+        solve_lower_triangular_in_place(sample.lower.as_ref(), of_forces, Par::Seq);
+        let upper = sample.lower.transpose();
+        solve_upper_triangular_in_place(upper, on_contact.as_mut(), Par::Seq);
+
+        let mut solutions = Vec::with_capacity(others);
+        let mut images = Vec::with_capacity(on_contact.ncols());
+        let (mut y, mut x, mut v) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+        for j in 0..on_contact.ncols() {
+            match self.eliminated.get(j) {
+                Some(eliminated) => y.copy_from_slice(eliminated),
+                None => y.fill(0.0),
+            }
+            y[interior..].copy_from_slice(column(on_contact.as_ref(), j));
+            self.cholesky.substitute_back(&self.factor, &mut y, &mut x);
+            self.operators.apply(&turned, &x, &mut v);
+            if j < others {
+                solutions.push(x.clone());
+            }
+            images.push(v.clone());
+        }
+        let inside = Mat::from_fn(others, images.len(), |i, j| dot(&solutions[i], &images[j]));
+        for image in &mut images {
+            self.cholesky.reorder(image, &mut y);
+            image.copy_from_slice(&y);
+        }
+        Derivative {
+            condensed: eliminate(self.cholesky, &self.factor, &sample.lower, &mut images),
+            inside,
+        }
+    }
+}
+
+/// Eliminates loads (in the order of the factor) down to the contact, and the contact too: `(L^-1 load)_c`, contact x loads.
+fn eliminate(
+    cholesky: &SparseCholesky,
+    factor: &[f64],
+    lower: &Mat<f64>,
+    loads: &mut [Vec<f64>],
+) -> Mat<f64> {
+    let contact = lower.nrows();
+    let mut slices: Vec<&mut [f64]> = loads.iter_mut().map(Vec::as_mut_slice).collect();
+    cholesky.eliminate_reordered(factor, &mut slices);
+    let mut condensed = Mat::from_fn(contact, loads.len(), |i, j| {
+        loads[j][loads[j].len() - contact + i]
+    });
+    solve_lower_triangular_in_place(lower.as_ref(), condensed.as_mut(), Par::Seq);
+    condensed
 }
