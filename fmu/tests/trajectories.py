@@ -4,6 +4,7 @@ import csv
 import io
 import json
 import math
+import shutil
 import zipfile
 from pathlib import Path
 
@@ -84,4 +85,5 @@ def fmpy_run(fmu, inputs, outputs=None):
         rows.append([row[0]] + list(pad.getReal(refs) if two else pad.getFloat64(refs, nValues=sizes)))
     pad.terminate()
     pad.freeInstance()
+    shutil.rmtree(folder)
     return rows
