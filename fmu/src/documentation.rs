@@ -1,5 +1,6 @@
 //! `documentation/index.html`: what the FMU is, a picture of the body, the scene, the variables, what it needs.
 
+mod drawing;
 mod picture;
 
 use crate::description::FmiVersion;

@@ -1,21 +1,16 @@
 //! The picture of the body: mesh, clamped, loaded and contact parts, probes, axes; as SVG. In 3D an oblique projection in
 //! which the faces turned to the reader let the others shine through.
 
+use super::drawing::{Frame, OBLIQUE, Point, arrow, axes, path, project, text};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use stickslip::Model;
 use stickslip::mesh::Mesh;
 use stickslip::scene::LoadKind;
 
-/// Longer side of the body in the picture, pixels.
-const WIDTH: f64 = 720.0;
-/// Room around the body for arrows and names.
-const MARGIN: f64 = 90.0;
 const ARROW: f64 = 56.0;
 /// A mesh with more faces to draw is shown by its outline alone.
 const MOST_FACES: usize = 20_000;
-/// Share of z in the two directions of the picture.
-const OBLIQUE: [f64; 2] = [0.45, 0.35];
 /// Faces of a positively oriented tetrahedron, outward normal by the right-hand rule.
 const TETRAHEDRON: [[usize; 3]; 4] = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
 
@@ -24,43 +19,6 @@ pub const CLAMPED: &str = "#444444";
 pub const LOAD: &str = "#1e8449";
 pub const PROBE: &str = "#1f4e9c";
 const LINES: &str = "#7f9cc4";
-
-type Point = [f64; 2];
-
-/// From coordinates to pixels.
-struct Frame {
-    low: Point,
-    scale: f64,
-    size: Point,
-}
-
-fn project(p: &[f64; 3]) -> Point {
-    [p[0] + OBLIQUE[0] * p[2], -(p[1] + OBLIQUE[1] * p[2])]
-}
-
-impl Frame {
-    fn of(mesh: &Mesh) -> Frame {
-        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        for point in mesh.nodes.iter().map(project) {
-            for i in 0..2 {
-                low[i] = low[i].min(point[i]);
-                high[i] = high[i].max(point[i]);
-            }
-        }
-        let extent = [high[0] - low[0], high[1] - low[1]];
-        let scale = WIDTH / extent[0].max(1.6 * extent[1]).max(f64::MIN_POSITIVE);
-        Frame {
-            low,
-            scale,
-            size: extent.map(|e| e * scale + 2.0 * MARGIN),
-        }
-    }
-
-    fn at(&self, p: &[f64; 3]) -> Point {
-        let q = project(p);
-        [0, 1].map(|i| MARGIN + (q[i] - self.low[i]) * self.scale)
-    }
-}
 
 /// Whether a face shows its outer side: its normal has a share against the line of sight, the direction that the projection
 /// maps to a point.
@@ -103,55 +61,6 @@ fn outline(faces: &[Vec<u32>]) -> Vec<Vec<u32>> {
     }
     let once = edges.into_iter().filter(|(_, count)| *count == 1);
     once.map(|(edge, _)| edge.to_vec()).collect()
-}
-
-/// A path through the nodes of every face, closed for triangles.
-fn path(frame: &Frame, mesh: &Mesh, faces: &[Vec<u32>], style: &str) -> String {
-    let mut d = String::new();
-    for face in faces {
-        for (i, node) in face.iter().enumerate() {
-            let [x, y] = frame.at(&mesh.nodes[*node as usize]);
-            let _ = write!(d, "{}{x:.1} {y:.1}", if i == 0 { "M" } else { "L" });
-        }
-        if face.len() > 2 {
-            d.push('Z');
-        }
-    }
-    match d.is_empty() {
-        true => String::new(),
-        false => format!("<path {style} d=\"{d}\"/>\n"),
-    }
-}
-
-fn text(at: Point, anchor: &str, colour: &str, words: &str) -> String {
-    let words = super::escaped(words);
-    let [x, y] = at;
-    format!(
-        "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\" fill=\"{colour}\" stroke=\"#fff\" stroke-width=\"4\" \
-         paint-order=\"stroke\">{words}</text>\n"
-    )
-}
-
-fn arrow(from: Point, to: Point, colour: &str) -> String {
-    let d = [to[0] - from[0], to[1] - from[1]];
-    let length = d[0].hypot(d[1]).max(f64::MIN_POSITIVE);
-    let (u, v) = (d[0] / length, d[1] / length);
-    let wing = |side: f64| {
-        format!(
-            "L{:.1} {:.1}",
-            to[0] - 9.0 * u - side * 4.0 * v,
-            to[1] - 9.0 * v + side * 4.0 * u
-        )
-    };
-    format!(
-        "<path stroke=\"{colour}\" stroke-width=\"2\" fill=\"{colour}\" d=\"M{:.1} {:.1}L{:.1} {:.1}{}{}L{2:.1} {3:.1}\"/>\n",
-        from[0],
-        from[1],
-        to[0],
-        to[1],
-        wing(1.0),
-        wing(-1.0)
-    )
 }
 
 /// Corners of the faces of a part.
@@ -308,20 +217,6 @@ fn numbers(frame: &Frame, model: &Model) -> String {
             let place = [x + share * away[0], y + share * away[1] + 5.0];
             svg += &text(place, "middle", CONTACT, &number.to_string());
         }
-    }
-    svg
-}
-
-fn axes(frame: &Frame, dimension: usize) -> String {
-    let origin = [18.0, frame.size[1] - 18.0];
-    let mut svg = String::new();
-    for (axis, name) in ["x", "y", "z"].iter().enumerate().take(dimension) {
-        let mut unit = [0.0; 3];
-        unit[axis] = 34.0;
-        let d = project(&unit);
-        let tip = [origin[0] + d[0], origin[1] + d[1]];
-        svg += &arrow(origin, tip, "#222");
-        svg += &text([tip[0] + 6.0, tip[1] + 4.0], "start", "#222", name);
     }
     svg
 }
