@@ -84,6 +84,7 @@ check "format" cargo fmt --all --check
 check "lints" cargo clippy --workspace --all-targets --all-features --release --quiet -- -D warnings
 check "documentation" documentation
 suite "tests" cargo test --workspace --all-features --release --no-fail-fast
+CARGO_TARGET_DIR=$target check "FMU library for old systems" sh scripts/portable_fmu.sh
 CARGO_TARGET_DIR=$target suite "FMU" sh scripts/test_fmu.sh
 
 echo "$passed passed, $failed failed"

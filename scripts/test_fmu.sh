@@ -18,6 +18,3 @@ STICKSLIP_PANIC_LIBRARY=$(cd "$target/tests/release" && pwd)/libstickslip_fmu.so
 STICKSLIP_IMPORTERS=$(cd .venv-importers && pwd)
 export STICKSLIP_BUILD STICKSLIP_PANIC_LIBRARY STICKSLIP_IMPORTERS
 .venv/bin/python -m pytest -q fmu/tests "$@"
-for loop in explicit_actuator implicit_mass variable_steps sweep; do
-    .venv/bin/python "fmu/loops/$loop.py"
-done

@@ -13,7 +13,7 @@ The energy error is what the mass, the mount and the pad hold and have dissipate
 
 import math
 
-from master import Pad, arguments, check, figure
+from master import Pad, arguments, check, figure, save
 
 M, C, K = 0.05, 0.02, 0.5
 S, D = 1.5, 0.15
@@ -83,17 +83,18 @@ def main():
     options = arguments(__doc__)
     methods = ("explicit", "gauss-seidel", "newton")
     results = {method: run(options.fmu, method) for method in methods}
-    fig, axes = figure(4, "A mass carries the pad: three ways to close the loop")
-    for method, (rows, mean, error, _) in results.items():
+    labels = ("displacement of\nthe mass, m", "force on the pad, N", "energy error, J", "steps of the pad per\nstep of the loop")
+    fig, axes = figure(labels, "A mass carries the pad: three ways to close the loop")
+    names = {"explicit": "explicit", "gauss-seidel": "Gauss-Seidel", "newton": "Newton"}
+    for (method, (rows, mean, error, _)), style in zip(results.items(), ("-", "-", ":")):
         print(f"{method:13} {mean:6.2f} steps of the pad per step of the loop, largest energy error {error:.2e} J")
         for axis, column in zip(axes, (1, 2, 3, 4)):
-            axis.plot([r[0] for r in rows], [abs(r[3]) if column == 3 else r[column] for r in rows], label=method)
-    for axis, label in zip(axes, ("mass, m", "force on the pad, N", "energy error, J", "steps of the pad")):
-        axis.set_ylabel(label)
+            # exact zeros have no place on a logarithmic axis
+            values = [max(abs(r[3]), 1e-20) if column == 3 else r[column] for r in rows]
+            axis.plot([r[0] for r in rows], values, style, lw=2 if style == ":" else 1.4, label=names[method])
     axes[2].set_yscale("log")
-    axes[0].legend(fontsize=8)
-    axes[-1].set_xlabel("time, s")
-    fig.savefig(f"{options.out}/implicit_mass.png", dpi=110)
+    axes[2].set_ylim(1e-20, 1e-1)
+    save(fig, axes, options, "implicit_mass.png")
     explicit, seidel, newton = (results[m] for m in methods)
     distance = max(abs(a[1] - b[1]) for a, b in zip(seidel[0], newton[0]))
     check(f"Gauss-Seidel and Newton agree: {distance:.1e} m", distance < 1e-10)

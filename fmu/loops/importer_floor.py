@@ -24,8 +24,7 @@ OUTPUTS = ("tangential_stress", "slip_rate", "slip", "accumulated_slip", "stick"
 
 def idle(fmu, folder):
     """A copy of an FMU whose functions return at once: 0, or a pointer where an instance is asked for."""
-    text = "".join(p.read_text() for p in (ROOT / "fmu" / "src").rglob("fmi*.rs"))
-    text += "".join(p.read_text() for p in (ROOT / "fmu" / "src" / "fmi3").rglob("*.rs"))
+    text = "".join(p.read_text() for p in (ROOT / "fmu" / "src").rglob("*.rs"))
     names = sorted(set(re.findall(r"\b(fmi[23][A-Z]\w+)\(", text)))
     source, library = folder / "idle.c", folder / "idle.so"
     body = "static int there;\n"

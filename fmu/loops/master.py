@@ -1,7 +1,8 @@
-"""What the four loops share: one FMU instance through FMPy's low-level interface, FMI 3, and where files go."""
+"""What the loops share: one FMU instance through FMPy's low-level interface, FMI 3, and where files go."""
 
 import argparse
 import os
+import shutil
 import subprocess
 from pathlib import Path
 
@@ -39,9 +40,10 @@ class Pad:
     def __init__(self, fmu, parameters=None, **inputs):
         self.description = fmpy.read_model_description(fmu)
         self.variables = {v.name: v for v in self.description.modelVariables}
+        self.folder = fmpy.extract(fmu)
         self.slave = FMU3Slave(
             guid=self.description.instantiationToken,
-            unzipDirectory=fmpy.extract(fmu),
+            unzipDirectory=self.folder,
             modelIdentifier=self.description.coSimulation.modelIdentifier,
             instanceName="pad",
         )
@@ -85,6 +87,7 @@ class Pad:
     def close(self):
         self.slave.terminate()
         self.slave.freeInstance()
+        shutil.rmtree(self.folder)
 
 
 def check(what, passed):
@@ -93,12 +96,28 @@ def check(what, passed):
         raise SystemExit(1)
 
 
-def figure(rows, title):
+def figure(labels, title, x="time, s"):
+    """Plots one below the other, each with its label, over one axis `x`."""
     import matplotlib
 
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
 
-    fig, axes = plt.subplots(rows, 1, figsize=(8, 2.6 * rows), sharex=True, layout="constrained", squeeze=False)
+    rows = len(labels)
+    fig, axes = plt.subplots(rows, 1, figsize=(8, 2.5 * rows), sharex=True, layout="constrained", squeeze=False)
     fig.suptitle(title)
+    for axis, label in zip(axes[:, 0], labels):
+        axis.set_ylabel(label)
+        axis.grid(color="0.9")
+        axis.set_axisbelow(True)
+    axes[-1, 0].set_xlabel(x)
     return fig, axes[:, 0]
+
+
+def save(fig, axes, options, name):
+    """Writes the picture; every plot that has several curves gets its legend."""
+    for axis in axes:
+        if len(axis.get_legend_handles_labels()[0]) > 1:
+            axis.legend(fontsize=8)
+    fig.align_ylabels()
+    fig.savefig(os.path.join(options.out, name), dpi=110)

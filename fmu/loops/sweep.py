@@ -1,7 +1,7 @@
 """A sweep over friction parameters with a progress bar, in parallel processes or on a Dask cluster.
 
 `python sweep.py` uses the processors of this machine; `python sweep.py --dask tcp://scheduler:8786` the workers of a
-cluster, which need FMPy and this folder, and see the FMU under the same path. Checked: more friction slips less and sticks
+cluster, which (like its scheduler) needs FMPy, and sees the FMU under the same path. Checked: more friction slips less and sticks
 more; a point computed here again equals the one from the pool bit for bit.
 """
 
@@ -9,7 +9,8 @@ import os
 import sys
 from concurrent.futures import ProcessPoolExecutor, as_completed
 
-from master import Pad, arguments, check, figure
+import master
+from master import Pad, arguments, check, figure, save
 
 BOUNDS = [0.0005 * i for i in range(1, 13)]  # kinetic bound b, Pa
 RATIOS = (1.0, 1.5, 3.0)  # a / b
@@ -41,9 +42,11 @@ def bar(done, total):
 def sweep(fmu, dask):
     jobs = [(b, ratio) for ratio in RATIOS for b in BOUNDS]
     if dask:
+        import cloudpickle
         from dask.distributed import Client
         from dask.distributed import as_completed as completed
 
+        cloudpickle.register_pickle_by_value(master)  # the cluster has no copy of this folder
         pool = Client(dask)
     else:
         pool, completed = ProcessPoolExecutor(max_workers=os.cpu_count()), as_completed
@@ -60,15 +63,13 @@ def main():
     options = arguments(__doc__, ("--dask", {"help": "address of a Dask scheduler"}))
     fmu = os.path.abspath(options.fmu)
     results = sweep(fmu, options.dask)
-    fig, axes = figure(3, "Sweep over the friction law")
+    labels = ("largest slip\nof a node, m", "dissipation by\nfriction, J", "share of the contact\nthat sticks at the end")
+    fig, axes = figure(labels, "Sweep over the friction law: the paper's example at t = 1 s", x="kinetic bound b, Pa")
     for ratio in RATIOS:
         for i, axis in enumerate(axes):
             axis.plot(BOUNDS, [results[b, ratio][i] for b in BOUNDS], ".-", label=f"a / b = {ratio}")
-    for axis, label in zip(axes, ("largest slip, m", "dissipation, J", "share that sticks")):
-        axis.set_ylabel(label)
-    axes[0].legend(fontsize=8)
-    axes[-1].set_xlabel("kinetic bound b, Pa")
-    fig.savefig(f"{options.out}/sweep.png", dpi=110)
+    axes[1].ticklabel_format(axis="y", scilimits=(0, 0))
+    save(fig, axes, options, "sweep.png")
     slips = [results[b, 1.0][0] for b in BOUNDS]
     sticks = [results[b, 1.0][2] for b in BOUNDS]
     check("the largest slip falls with the bound", all(x > y for x, y in zip(slips, slips[1:])))

@@ -8,7 +8,7 @@ smaller than the smallest, the number of steps against that of a fixed step of t
 
 import math
 
-from master import Pad, arguments, check, figure
+from master import Pad, arguments, check, figure, save
 
 UNTIL, TOLERANCE = 4.0, 2e-6
 OUTPUT = "press.displacement"
@@ -27,7 +27,7 @@ def advance(pad, t, h):
 
 def adaptive(fmu):
     pad = Pad(fmu, parameters=LARGE, press=press(0.0))
-    t, h, rejected, is_equal = 0.0, 1 / 64, 0, True
+    t, h, rejected, is_equal = 0.0, 1 / 64, [], True
     rows = [(0.0, pad.get(OUTPUT), 0.0)]
     while t < UNTIL - 1e-12:
         h = min(h, UNTIL - t)
@@ -40,7 +40,7 @@ def adaptive(fmu):
         halves = pad.get(OUTPUT)
         error = abs(whole - halves) / 3
         if error > TOLERANCE:
-            rejected += 1
+            rejected.append((t + h, h))
             pad.restore(state)
             advance(pad, t, h)
             is_equal &= pad.get(OUTPUT) == whole
@@ -73,21 +73,22 @@ def main():
     t, sizes = [r[0] for r in rows], [r[2] for r in rows[1:]]
     fine = fixed(options.fmu, t, min(sizes) / 16)
     error = max(abs(r[1] - f) for r, f in zip(rows, fine))
-    fig, axes = figure(3, "Steps chosen by the master")
+    labels = ("load press, Pa", "displacement of the\nloaded side, m", "difference to\nsmall steps, m", "step, s")
+    fig, axes = figure(labels, "Steps chosen by the master")
     axes[0].plot(t, [press(x) for x in t], ".-", ms=3)
-    axes[1].plot(t, [r[1] for r in rows], ".-", ms=3, label="variable steps")
-    axes[1].plot(t, fine, "k--", lw=0.8, label="small steps")
-    axes[1].legend(fontsize=8)
-    axes[2].semilogy(t[1:], sizes, ".-", ms=3)
-    for axis, label in zip(axes, ("pressure, Pa", "displacement, m", "step, s")):
-        axis.set_ylabel(label)
-    axes[-1].set_xlabel("time, s")
-    fig.savefig(f"{options.out}/variable_steps.png", dpi=110)
+    axes[1].plot(t, [r[1] for r in rows], ".", ms=4, label="variable steps")
+    axes[1].plot(t, fine, "k-", lw=0.8, label="small steps")
+    axes[2].semilogy(t[1:], [abs(r[1] - f) for r, f in zip(rows[1:], fine[1:])], ".-", ms=3, label="difference")
+    axes[2].axhline(TOLERANCE, color="k", ls="--", lw=0.8, label="tolerance of a step")
+    axes[3].semilogy(t[1:], sizes, drawstyle="steps-pre", lw=0.8, color="C0")
+    axes[3].semilogy(t[1:], sizes, ".", ms=4, color="C0", label="taken")
+    axes[3].semilogy(*zip(*rejected), "x", ms=5, color="C3", label="rejected and rolled back")
+    save(fig, axes, options, "variable_steps.png")
     uniform = math.ceil(UNTIL / min(sizes))
-    print(f"{len(sizes)} steps from {min(sizes):.4f} to {max(sizes):.4f} s, {rejected} rejected; error {error:.1e} m")
+    print(f"{len(sizes)} steps from {min(sizes):.4f} to {max(sizes):.4f} s, {len(rejected)} rejected; error {error:.1e} m")
     check(f"the error {error:.1e} m is near the tolerance {TOLERANCE:.0e} m of a step", error < 30 * TOLERANCE)
     check(f"{len(sizes)} steps, at most half of the {uniform} of the smallest size", len(sizes) <= uniform / 2)
-    check("rejected steps were rolled back bit for bit", is_equal and rejected > 0)
+    check("rejected steps were rolled back bit for bit", is_equal and len(rejected) > 0)
 
 
 if __name__ == "__main__":

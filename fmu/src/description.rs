@@ -6,7 +6,7 @@ mod version3;
 
 use crate::component::token;
 use crate::log::Category;
-use crate::parameters::{self, PARAMETERS};
+use crate::parameters;
 use crate::variables::{Role, Variables};
 use crate::xml::Xml;
 use std::sync::Arc;
@@ -58,6 +58,19 @@ impl Source<'_> {
     }
 }
 
+/// Values of a fresh instance, in the order of the variables.
+pub fn start_values(model: &Arc<Model>, variables: &Variables) -> stickslip::Result<Vec<f64>> {
+    let simulator = Simulator::new(Arc::clone(model));
+    let mut start = vec![0.0; variables.len()];
+    for variable in variables.all() {
+        if let Some(port) = variable.port {
+            simulator.get(port, &mut start[variable.range()])?;
+        }
+    }
+    start[variables.first_parameter()..].copy_from_slice(&parameters::values(model.scene()));
+    Ok(start)
+}
+
 /// The model description of an FMU of this model; `scene_text` is the scene it carries, `date` an ISO 8601 time.
 pub fn model_description(
     model: &Arc<Model>,
@@ -67,15 +80,7 @@ pub fn model_description(
     date: &str,
 ) -> stickslip::Result<String> {
     let variables = Variables::new(model);
-    let simulator = Simulator::new(Arc::clone(model));
-    let mut start = vec![0.0; variables.len()];
-    for variable in variables.all() {
-        if let Some(port) = variable.port {
-            simulator.get(port, &mut start[variable.range()])?;
-        }
-    }
-    let first = variables.len() - PARAMETERS.len();
-    start[first..].copy_from_slice(&parameters::values(model.scene()));
+    let start = start_values(model, &variables)?;
     let source = Source {
         model,
         variables,

@@ -1,9 +1,12 @@
-//! `documentation/index.html`: what the FMU is, a picture of its mesh, its variables, what it needs.
+//! `documentation/index.html`: what the FMU is, a picture of the body, the scene, the variables, what it needs.
+
+mod drawing;
+mod picture;
 
 use crate::description::FmiVersion;
 use crate::variables::{Role, Variables};
+use serde_json::Value;
 use std::fmt::Write;
-use stickslip::mesh::Mesh;
 use stickslip::{Compilation, Model};
 
 /// What the documentation says about the shared library.
@@ -19,9 +22,15 @@ fn escaped(text: &str) -> String {
         .replace('"', "&quot;")
 }
 
-/// The page.
+const STYLE: &str = "body{font:16px/1.5 sans-serif;max-width:62em;margin:2em auto;padding:0 1em;color:#222}\
+figure{margin:1em 0}figcaption span{display:inline-block;margin-right:1.6em}figcaption i{display:inline-block;width:.8em;\
+height:.8em;margin-right:.4em}table{border-collapse:collapse}td,th{border-bottom:1px solid #ccc;padding:.2em .7em;\
+text-align:left;vertical-align:top}.n{white-space:nowrap}svg{max-width:100%;height:auto}code{background:#f3f3f3}";
+
+/// The page; `start` holds the values of a fresh instance, in the order of the variables.
 pub fn page(
     compilation: &Compilation,
+    start: &[f64],
     version: FmiVersion,
     is_scalar: bool,
     library: &LibraryNotes,
@@ -32,33 +41,39 @@ pub fn page(
     let mut html = String::new();
     let _ = write!(
         html,
-        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{title}</title><style>\
-         body{{font:16px/1.5 sans-serif;max-width:60em;margin:2em auto;padding:0 1em;color:#222}}\
-         table{{border-collapse:collapse}}td,th{{border-bottom:1px solid #ccc;padding:.2em .6em;text-align:left;\
-         vertical-align:top}}svg{{max-width:100%;height:auto}}code{{background:#f3f3f3}}</style></head><body>\n\
-         <h1>{title}</h1>\n<p>Quasistatic frictional contact of a viscoelastic body (Kelvin-Voigt) with a rigid foundation, \
-         as an FMI {} Co-Simulation FMU. Lengths in m, stresses in Pa, times in s.</p>\n",
+        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{title}</title><style>{STYLE}</style>\
+         </head><body>\n<h1>{title}</h1>\n<p>Quasistatic frictional contact of a viscoelastic body (Kelvin-Voigt) with a rigid \
+         foundation, as an FMI {} Co-Simulation FMU, made by stickslip {}. All units are SI.</p>\n",
         match version {
             FmiVersion::Fmi2 => "2.0",
             FmiVersion::Fmi3 => "3.0",
-        }
+        },
+        env!("CARGO_PKG_VERSION")
     );
-    html.push_str(&picture(&compilation.body.mesh, model));
+    html.push_str("<figure>\n");
+    html.push_str(&picture::svg(&compilation.body.mesh, model));
+    html.push_str(&legend(model));
+    html.push_str("</figure>\n");
+    let contact = model.contact().node_count();
     let _ = writeln!(
         html,
-        "<p>{} cells, {} nodes, {} free displacement components; {} contact nodes (dots), in the order of all arrays over \
-         the contact. Kept of the body: {:?}, {} states.</p>",
+        "<p>{} cells, {} nodes, {} free displacement components; {} contact node{}, in the order of all arrays over the contact. \
+         Kept of the body: {:?}, {} states.</p>",
         summary.mesh_cells,
         summary.mesh_nodes,
         summary.free_dofs,
-        model.contact().node_count(),
+        contact,
+        if contact == 1 { "" } else { "s" },
         summary.kind,
         model.states(),
     );
+    html.push_str(&scene_table(model));
     html.push_str(USE);
     html.push_str(&variables_table(
         &Variables::new(model),
-        version == FmiVersion::Fmi2 || is_scalar,
+        start,
+        version,
+        is_scalar,
     ));
     let needs = match &library.glibc {
         Some(version) => format!("It needs glibc {version} or newer"),
@@ -66,10 +81,105 @@ pub fn page(
     };
     let _ = write!(
         html,
-        "<h2>Requirements</h2>\n<p>The shared library is for Linux on x86-64. {needs} and nothing else: no tool, no licence, \
-         no environment variable, no file outside the FMU. It makes no threads and prints nothing.</p>\n</body></html>\n"
+        "<h2>Requirements</h2>\n<p>The shared library is for {} on {}. {needs} and nothing else: no tool, no licence, \
+         no environment variable, no file outside the FMU. It makes no threads and prints nothing.</p>\n</body></html>\n",
+        std::env::consts::OS,
+        std::env::consts::ARCH
     );
     html
+}
+
+fn legend(model: &Model) -> String {
+    let scene = model.scene();
+    let mut html = "<figcaption>".to_owned();
+    let mut entry = |colour: &str, words: &str| {
+        let words = escaped(words);
+        let _ = write!(
+            html,
+            "<span><i style=\"background:{colour}\"></i>{words}</span>"
+        );
+    };
+    let contact = format!(
+        "contact: {}, first and last node numbered",
+        scene.contact.part
+    );
+    entry(picture::CONTACT, &contact);
+    entry(
+        picture::CLAMPED,
+        &format!("clamped: {}", scene.clamped.join(", ")),
+    );
+    if !scene.loads.is_empty() {
+        entry(picture::LOAD, "loads, the arrow along a positive value");
+    }
+    if !scene.probes.is_empty() {
+        entry(picture::PROBE, "probes");
+    }
+    html + "</figcaption>\n"
+}
+
+/// A value of the scene in one line: what kind it is, then `name = value`.
+fn words_of(value: &Value) -> String {
+    match value {
+        Value::Object(map) => {
+            let is_kind = |key: &str| key == "law" || key == "kind";
+            let is_empty = |value: &Value| value.as_array().is_some_and(Vec::is_empty);
+            let entry = |(key, value): (&String, &Value)| match value {
+                _ if is_kind(key) => words_of(value),
+                Value::Object(_) => format!("{key} ({})", words_of(value)),
+                _ => format!("{key} = {}", words_of(value)),
+            };
+            let entries = map.iter().filter(|(_, value)| !is_empty(value));
+            let (kind, others): (Vec<_>, Vec<_>) = entries.partition(|(key, _)| is_kind(key));
+            let all: Vec<String> = kind.into_iter().chain(others).map(entry).collect();
+            all.join(", ")
+        }
+        Value::Array(list) => {
+            let words: Vec<String> = list.iter().map(words_of).collect();
+            match list.first() {
+                Some(Value::String(_)) => words.join(", "),
+                _ => format!("({})", words.join(", ")),
+            }
+        }
+        Value::String(word) => word.clone(),
+        _ => value.to_string().trim_end_matches(".0").to_owned(),
+    }
+}
+
+/// What the scene says of the body, the contact, the loads and the probes.
+fn scene_table(model: &Model) -> String {
+    let scene = serde_json::to_value(model.scene()).unwrap_or_default();
+    let mut html = "<h2>Scene</h2>\n<table>".to_owned();
+    let mut row = |name: &str, value: &Value| {
+        let value = escaped(&words_of(value));
+        let _ = writeln!(
+            html,
+            "<tr><th class=\"n\">{}</th><td>{value}</td></tr>",
+            escaped(name)
+        );
+    };
+    for (name, path) in [
+        ("Mesh", "/mesh"),
+        ("Viscosity", "/material/viscosity"),
+        ("Elasticity", "/material/elasticity"),
+        ("Clamped", "/clamped"),
+        ("Contact", "/contact"),
+    ] {
+        row(name, scene.pointer(path).unwrap_or(&Value::Null));
+    }
+    for (kind, list) in [("Load", "loads"), ("Probe", "probes")] {
+        for item in scene[list].as_array().into_iter().flatten() {
+            let mut item = item.clone();
+            let name = item["name"].as_str().unwrap_or_default().to_owned();
+            if let Some(map) = item.as_object_mut() {
+                map.remove("name");
+            }
+            row(&format!("{kind} {name}"), &item);
+        }
+    }
+    for (name, path) in [("Time", "/time"), ("Fidelity", "/fidelity")] {
+        row(name, scene.pointer(path).unwrap_or(&Value::Null));
+    }
+    html + "</table>\n"
 }
 
 const USE: &str = "<h2>Use</h2>\n<ul>\
@@ -86,10 +196,19 @@ Friction coefficients may change between steps; set them in an order that keeps 
 <li>A step whose friction does not converge leaves the state as it was (FMI 3: Discard; FMI 2: Error); try a smaller one.</li>\
 </ul>\n";
 
-fn variables_table(variables: &Variables, is_scalar: bool) -> String {
-    let mut html = "<h2>Variables</h2>\n<table><tr><th>Name</th><th>Unit</th><th>Kind</th><th>Size</th><th>Meaning</th></tr>\n"
+fn variables_table(
+    variables: &Variables,
+    start: &[f64],
+    version: FmiVersion,
+    is_scalar: bool,
+) -> String {
+    let is_fmi2 = version == FmiVersion::Fmi2;
+    let mut html = "<h2>Variables</h2>\n<table><tr><th>Name</th><th>Unit</th><th>Kind</th><th>Size</th><th>Start</th>\
+                    <th>Meaning</th></tr>\n"
         .to_owned();
-    for variable in variables.all() {
+    // FMI 2 Co-Simulation has no variable of time
+    let listed = variables.all().iter();
+    for variable in listed.filter(|v| !(is_fmi2 && v.role == Role::Time)) {
         let kind = match variable.role {
             Role::Time => "time",
             Role::Input => "input",
@@ -97,8 +216,12 @@ fn variables_table(variables: &Variables, is_scalar: bool) -> String {
             Role::Tunable => "tunable parameter",
             Role::Fixed => "fixed parameter",
         };
+        let begin = match variable.role {
+            Role::Time | Role::Output => String::new(),
+            _ => words_of(&Value::from(start[variable.first])),
+        };
         let size: Vec<String> = variable.shape.iter().map(usize::to_string).collect();
-        let names = match (is_scalar, variable.element_names().as_slice()) {
+        let names = match (is_fmi2 || is_scalar, variable.element_names().as_slice()) {
             (true, [first, .., last]) => format!("{first} ... {last}"),
             _ => variable.name.clone(),
         };
@@ -110,62 +233,12 @@ fn variables_table(variables: &Variables, is_scalar: bool) -> String {
         }
         let _ = writeln!(
             html,
-            "<tr><td><code>{}</code></td><td>{}</td><td>{kind}</td><td>{}</td><td>{meaning}</td></tr>",
+            "<tr><td class=\"n\"><code>{}</code></td><td>{}</td><td class=\"n\">{kind}</td><td class=\"n\">{}</td><td>{begin}</td>\
+             <td>{meaning}</td></tr>",
             escaped(&names),
             variable.unit,
             size.join(" &times; "),
         );
     }
     html + "</table>\n"
-}
-
-/// The mesh as SVG: in 3D its outer faces in oblique projection.
-pub fn picture(mesh: &Mesh, model: &Model) -> String {
-    let project = |p: &[f64; 3]| [p[0] + 0.45 * p[2], -(p[1] + 0.35 * p[2])];
-    let points: Vec<[f64; 2]> = mesh.nodes.iter().map(project).collect();
-    let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-    for point in &points {
-        for i in 0..2 {
-            low[i] = low[i].min(point[i]);
-            high[i] = high[i].max(point[i]);
-        }
-    }
-    let extent = [high[0] - low[0], high[1] - low[1]];
-    let scale = 760.0 / extent[0].max(2.0 * extent[1]).max(f64::MIN_POSITIVE);
-    let at = |p: &[f64; 2]| {
-        (
-            20.0 + (p[0] - low[0]) * scale,
-            20.0 + (p[1] - low[1]) * scale,
-        )
-    };
-    let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {:.0} {:.0}\" width=\"800\">\n<path fill=\"none\" \
-         stroke=\"#4a6fa5\" stroke-width=\"0.7\" d=\"",
-        40.0 + extent[0] * scale,
-        40.0 + extent[1] * scale
-    );
-    let mut draw = |nodes: &[u32]| {
-        for (i, node) in nodes.iter().enumerate() {
-            let (x, y) = at(&points[*node as usize]);
-            let _ = write!(svg, "{}{x:.1} {y:.1}", if i == 0 { "M" } else { "L" });
-        }
-        svg.push('Z');
-    };
-    if mesh.dimension == 2 {
-        mesh.cells().for_each(&mut draw);
-    } else {
-        // the faces that look towards the reader: the upper, the right and the nearest side
-        let sides = ["top", "right", "back"];
-        let faces = sides.iter().filter_map(|side| mesh.parts.get(*side));
-        faces.for_each(|faces| faces.chunks_exact(3).for_each(&mut draw));
-    }
-    svg.push_str("\"/>\n");
-    for point in &model.contact().points {
-        let (x, y) = at(&project(point));
-        let _ = writeln!(
-            svg,
-            "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"2.5\" fill=\"#c0392b\"/>"
-        );
-    }
-    svg + "</svg>\n"
 }

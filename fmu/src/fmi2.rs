@@ -1,4 +1,5 @@
-//! FMI 2.0 Co-Simulation: the 34 functions of the standard, each a few lines over the lifecycle.
+//! FMI 2.0 Co-Simulation: the 34 functions of the standard, each a few lines over the lifecycle. Here an instance and its
+//! steps; values, saved states and status calls have their own files.
 //!
 //! FMI 2 lets a slave discard a step only together with status calls that few importers make (some then repeat the step
 //! for ever), so that a step that does not converge is an error here; the state is what it was before the step.
@@ -6,16 +7,18 @@
 //! # Safety
 //! Every function takes the pointers the standard says: arrays of the stated lengths, strings that end with a zero byte.
 //! NULL where the standard forbids it, and instances or states that are none, are answered with an error.
-#![allow(unsafe_code, clippy::missing_safety_doc, clippy::too_many_arguments)]
+#![allow(unsafe_code, clippy::missing_safety_doc)]
+
+mod states;
+mod status;
+mod values;
 
 use crate::fault::{Fault, Outcome};
-use crate::guard::{self, ERROR, OK, call, slice, slice_mut, text, uri_path, write};
-use crate::lifecycle::Call;
+use crate::guard::{self, ERROR, call, text, uri_path};
 use crate::log::{Category, Log};
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 
 type Component = *mut c_void;
-type FmuState = *mut c_void;
 type Logger = Option<
     unsafe extern "C" fn(*mut c_void, *const c_char, c_int, *const c_char, *const c_char, ...),
 >;
@@ -73,10 +76,6 @@ fn unsupported(component: Component, name: &str) -> i32 {
     })
 }
 
-fn handle(state: FmuState) -> u64 {
-    state as usize as u64
-}
-
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi2GetTypesPlatform() -> *const c_char {
     c"default".as_ptr()
@@ -95,13 +94,7 @@ pub unsafe extern "C" fn fmi2SetDebugLogging(
     categories: *const *const c_char,
 ) -> c_int {
     run(component, |instance| {
-        instance.permit(Call::SetDebugLogging)?;
-        let names = slice(categories, count)?
-            .iter()
-            .map(|c| text(*c, "a log category"));
-        instance
-            .log
-            .switch(logging_on != 0, &names.collect::<Outcome<Vec<&CStr>>>()?)
+        guard::set_logging(instance, logging_on != 0, count, categories)
     })
 }
 
@@ -182,207 +175,6 @@ pub unsafe extern "C" fn fmi2Reset(component: Component) -> c_int {
 }
 
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetReal(
-    component: Component,
-    references: *const u32,
-    count: usize,
-    values: *mut f64,
-) -> c_int {
-    run(component, |instance| {
-        instance.get(slice(references, count)?, slice_mut(values, count)?)
-    })
-}
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetInteger(
-    component: Component,
-    references: *const u32,
-    count: usize,
-    values: *mut c_int,
-) -> c_int {
-    run(component, |instance| {
-        instance.get(slice(references, count)?, slice_mut(values, count)?)
-    })
-}
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SetReal(
-    component: Component,
-    references: *const u32,
-    count: usize,
-    values: *const f64,
-) -> c_int {
-    run(component, |instance| {
-        instance.set(slice(references, count)?, slice(values, count)?)
-    })
-}
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SetInteger(
-    component: Component,
-    references: *const u32,
-    count: usize,
-    values: *const c_int,
-) -> c_int {
-    run(component, |instance| {
-        instance.set(slice(references, count)?, slice(values, count)?)
-    })
-}
-
-/// Getters and setters of types that no variable has: right for no reference, wrong for every one.
-macro_rules! without_variables {
-    ($($name:ident($value:ty);)*) => {$(
-        #[unsafe(no_mangle)]
-        pub unsafe extern "C" fn $name(
-            component: Component,
-            _references: *const u32,
-            count: usize,
-            _values: $value,
-        ) -> c_int {
-            run(component, |instance| {
-                instance.permit(Call::Get)?;
-                match count {
-                    0 => Ok(()),
-                    _ => Err(Fault::error(concat!(stringify!($name), ": no variable has this type"))),
-                }
-            })
-        }
-    )*};
-}
-
-without_variables! {
-    fmi2GetBoolean(*mut c_int);
-    fmi2GetString(*mut *const c_char);
-    fmi2SetBoolean(*const c_int);
-    fmi2SetString(*const *const c_char);
-}
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetFMUstate(component: Component, state: *mut FmuState) -> c_int {
-    run(component, |instance| {
-        let old = guard::read(state, "the pointer to the state")?;
-        let new = instance.save((!old.is_null()).then(|| handle(old)))?;
-        write(
-            state,
-            std::ptr::without_provenance_mut(new as usize),
-            "the pointer to the state",
-        )
-    })
-}
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SetFMUstate(component: Component, state: FmuState) -> c_int {
-    run(component, |instance| instance.restore(handle(state)))
-}
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2FreeFMUstate(component: Component, state: *mut FmuState) -> c_int {
-    run(component, |instance| {
-        if state.is_null() {
-            return Ok(());
-        }
-        let old = guard::read(state, "the pointer to the state")?;
-        if old.is_null() {
-            return Ok(());
-        }
-        instance.free_saved(handle(old))?;
-        write(state, std::ptr::null_mut(), "the pointer to the state")
-    })
-}
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SerializedFMUstateSize(
-    component: Component,
-    state: FmuState,
-    size: *mut usize,
-) -> c_int {
-    run(component, |instance| {
-        write(size, instance.serialized_len(handle(state))?, "the size")
-    })
-}
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SerializeFMUstate(
-    component: Component,
-    state: FmuState,
-    bytes: *mut u8,
-    size: usize,
-) -> c_int {
-    run(component, |instance| {
-        instance.serialize(handle(state), slice_mut(bytes, size)?)
-    })
-}
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
-    component: Component,
-    bytes: *const u8,
-    size: usize,
-    state: *mut FmuState,
-) -> c_int {
-    run(component, |instance| {
-        guard::read(state, "the pointer to the state")?;
-        let new = instance.deserialize(slice(bytes, size)?)?;
-        write(
-            state,
-            std::ptr::without_provenance_mut(new as usize),
-            "the pointer to the state",
-        )
-    })
-}
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetDirectionalDerivative(
-    component: Component,
-    unknowns: *const u32,
-    unknown_count: usize,
-    knowns: *const u32,
-    known_count: usize,
-    seed: *const f64,
-    sensitivity: *mut f64,
-) -> c_int {
-    run(component, |instance| {
-        let (unknowns, knowns) = (slice(unknowns, unknown_count)?, slice(knowns, known_count)?);
-        let out = slice_mut(sensitivity, unknown_count)?;
-        instance.directional(unknowns, knowns, slice(seed, known_count)?, out)
-    })
-}
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SetRealInputDerivatives(
-    component: Component,
-    references: *const u32,
-    count: usize,
-    orders: *const c_int,
-    values: *const f64,
-) -> c_int {
-    run(component, |instance| {
-        instance.set_slopes(
-            slice(references, count)?,
-            slice(orders, count)?,
-            slice(values, count)?,
-        )
-    })
-}
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetRealOutputDerivatives(
-    component: Component,
-    references: *const u32,
-    count: usize,
-    orders: *const c_int,
-    values: *mut f64,
-) -> c_int {
-    run(component, |instance| {
-        instance.get_slopes(
-            slice(references, count)?,
-            slice(orders, count)?,
-            slice_mut(values, count)?,
-        )
-    })
-}
-
-#[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2DoStep(
     component: Component,
     time: f64,
@@ -395,60 +187,4 @@ pub unsafe extern "C" fn fmi2DoStep(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2CancelStep(component: Component) -> c_int {
     unsupported(component, "fmi2CancelStep")
-}
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetStatus(
-    component: Component,
-    _kind: c_int,
-    value: *mut c_int,
-) -> c_int {
-    // steps are finished when they return: there is nothing pending to ask about
-    run(component, |_| write(value, OK, "the status"))
-}
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetRealStatus(
-    component: Component,
-    kind: c_int,
-    value: *mut f64,
-) -> c_int {
-    run(component, |instance| match kind {
-        2 => write(value, instance.time(), "the last successful time"),
-        _ => Err(Fault::error(format!(
-            "there is no real status of kind {kind}"
-        ))),
-    })
-}
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetIntegerStatus(
-    component: Component,
-    _kind: c_int,
-    _value: *mut c_int,
-) -> c_int {
-    unsupported(component, "fmi2GetIntegerStatus")
-}
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetBooleanStatus(
-    component: Component,
-    kind: c_int,
-    value: *mut c_int,
-) -> c_int {
-    run(component, |_| match kind {
-        3 => write(value, 0, "whether the slave wants to terminate"),
-        _ => Err(Fault::error(format!(
-            "there is no boolean status of kind {kind}"
-        ))),
-    })
-}
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetStringStatus(
-    component: Component,
-    _kind: c_int,
-    _value: *mut *const c_char,
-) -> c_int {
-    unsupported(component, "fmi2GetStringStatus")
 }

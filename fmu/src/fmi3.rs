@@ -1,4 +1,5 @@
-//! FMI 3.0: the functions of Co-Simulation over the lifecycle; the rest of the 75 stands in [`unsupported`].
+//! FMI 3.0: the functions of Co-Simulation over the lifecycle, here an instance and its steps; values and saved states have
+//! their own files, and the rest of the 75 stands in [`unsupported`].
 //!
 //! Values that are not finite, and a step whose friction does not converge, are discarded: the state is what it was, and
 //! other values or a smaller step may succeed.
@@ -8,16 +9,16 @@
 //! NULL where the standard forbids it, and instances or states that are none, are answered with an error.
 #![allow(unsafe_code, clippy::missing_safety_doc, clippy::too_many_arguments)]
 
+mod states;
 pub mod unsupported;
+mod values;
 
 use crate::fault::{Fault, Outcome};
-use crate::guard::{self, DISCARD, call, native_path, slice, slice_mut, text, write};
-use crate::lifecycle::Call;
+use crate::guard::{self, DISCARD, call, native_path, text, write};
 use crate::log::{Category, Log};
-use std::ffi::{CStr, CString, c_char, c_int, c_void};
+use std::ffi::{CString, c_char, c_int, c_void};
 
 pub(crate) type Instance = *mut c_void;
-type FmuState = *mut c_void;
 /// A callback of the importer for what this FMU does not do; never called.
 pub(crate) type Callback = Option<unsafe extern "C" fn()>;
 /// `fmi3Boolean` (C `bool`), taken as a byte: an importer may pass any.
@@ -74,10 +75,6 @@ pub(crate) fn run(
     call(instance, DISCARD, f)
 }
 
-fn handle(state: FmuState) -> u64 {
-    state as usize as u64
-}
-
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi3GetVersion() -> *const c_char {
     c"3.0".as_ptr()
@@ -91,13 +88,7 @@ pub unsafe extern "C" fn fmi3SetDebugLogging(
     categories: *const *const c_char,
 ) -> c_int {
     run(instance, |instance| {
-        instance.permit(Call::SetDebugLogging)?;
-        let names = slice(categories, count)?
-            .iter()
-            .map(|c| text(*c, "a log category"));
-        instance
-            .log
-            .switch(logging_on != 0, &names.collect::<Outcome<Vec<&CStr>>>()?)
+        guard::set_logging(instance, logging_on != 0, count, categories)
     })
 }
 
@@ -157,193 +148,6 @@ pub unsafe extern "C" fn fmi3Terminate(instance: Instance) -> c_int {
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3Reset(instance: Instance) -> c_int {
     run(instance, |instance| instance.reset())
-}
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3GetFloat64(
-    instance: Instance,
-    references: *const u32,
-    count: usize,
-    values: *mut f64,
-    value_count: usize,
-) -> c_int {
-    run(instance, |instance| {
-        instance.get(slice(references, count)?, slice_mut(values, value_count)?)
-    })
-}
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3SetFloat64(
-    instance: Instance,
-    references: *const u32,
-    count: usize,
-    values: *const f64,
-    value_count: usize,
-) -> c_int {
-    run(instance, |instance| {
-        instance.set(slice(references, count)?, slice(values, value_count)?)
-    })
-}
-
-/// Enumerations.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3GetInt64(
-    instance: Instance,
-    references: *const u32,
-    count: usize,
-    values: *mut i64,
-    value_count: usize,
-) -> c_int {
-    run(instance, |instance| {
-        instance.get(slice(references, count)?, slice_mut(values, value_count)?)
-    })
-}
-
-/// Enumerations.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3SetInt64(
-    instance: Instance,
-    references: *const u32,
-    count: usize,
-    values: *const i64,
-    value_count: usize,
-) -> c_int {
-    run(instance, |instance| {
-        instance.set(slice(references, count)?, slice(values, value_count)?)
-    })
-}
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3GetFMUState(instance: Instance, state: *mut FmuState) -> c_int {
-    run(instance, |instance| {
-        let old = guard::read(state, "the pointer to the state")?;
-        let new = instance.save((!old.is_null()).then(|| handle(old)))?;
-        write(
-            state,
-            std::ptr::without_provenance_mut(new as usize),
-            "the pointer to the state",
-        )
-    })
-}
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3SetFMUState(instance: Instance, state: FmuState) -> c_int {
-    run(instance, |instance| instance.restore(handle(state)))
-}
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3FreeFMUState(instance: Instance, state: *mut FmuState) -> c_int {
-    run(instance, |instance| {
-        if state.is_null() {
-            return Ok(());
-        }
-        let old = guard::read(state, "the pointer to the state")?;
-        if old.is_null() {
-            return Ok(());
-        }
-        instance.free_saved(handle(old))?;
-        write(state, std::ptr::null_mut(), "the pointer to the state")
-    })
-}
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3SerializedFMUStateSize(
-    instance: Instance,
-    state: FmuState,
-    size: *mut usize,
-) -> c_int {
-    run(instance, |instance| {
-        write(size, instance.serialized_len(handle(state))?, "the size")
-    })
-}
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3SerializeFMUState(
-    instance: Instance,
-    state: FmuState,
-    bytes: *mut u8,
-    size: usize,
-) -> c_int {
-    run(instance, |instance| {
-        instance.serialize(handle(state), slice_mut(bytes, size)?)
-    })
-}
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3DeserializeFMUState(
-    instance: Instance,
-    bytes: *const u8,
-    size: usize,
-    state: *mut FmuState,
-) -> c_int {
-    run(instance, |instance| {
-        guard::read(state, "the pointer to the state")?;
-        let new = instance.deserialize(slice(bytes, size)?)?;
-        write(
-            state,
-            std::ptr::without_provenance_mut(new as usize),
-            "the pointer to the state",
-        )
-    })
-}
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3GetDirectionalDerivative(
-    instance: Instance,
-    unknowns: *const u32,
-    unknown_count: usize,
-    knowns: *const u32,
-    known_count: usize,
-    seed: *const f64,
-    seed_count: usize,
-    sensitivity: *mut f64,
-    sensitivity_count: usize,
-) -> c_int {
-    run(instance, |instance| {
-        let (unknowns, knowns) = (slice(unknowns, unknown_count)?, slice(knowns, known_count)?);
-        let (seed, out) = (
-            slice(seed, seed_count)?,
-            slice_mut(sensitivity, sensitivity_count)?,
-        );
-        instance.directional(unknowns, knowns, seed, out)
-    })
-}
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3GetAdjointDerivative(
-    instance: Instance,
-    unknowns: *const u32,
-    unknown_count: usize,
-    knowns: *const u32,
-    known_count: usize,
-    seed: *const f64,
-    seed_count: usize,
-    sensitivity: *mut f64,
-    sensitivity_count: usize,
-) -> c_int {
-    run(instance, |instance| {
-        let (unknowns, knowns) = (slice(unknowns, unknown_count)?, slice(knowns, known_count)?);
-        let (seed, out) = (
-            slice(seed, seed_count)?,
-            slice_mut(sensitivity, sensitivity_count)?,
-        );
-        instance.adjoint(unknowns, knowns, seed, out)
-    })
-}
-
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3GetOutputDerivatives(
-    instance: Instance,
-    references: *const u32,
-    count: usize,
-    orders: *const i32,
-    values: *mut f64,
-    value_count: usize,
-) -> c_int {
-    run(instance, |instance| {
-        let (references, orders) = (slice(references, count)?, slice(orders, count)?);
-        instance.get_slopes(references, orders, slice_mut(values, value_count)?)
-    })
 }
 
 #[unsafe(no_mangle)]

@@ -1,9 +1,12 @@
 //! Packs an FMU: shared library, compiled model and scene, description, documentation, reference results.
 
 use crate::component::{MODEL_FILE, SCENE_FILE};
-use crate::description::{FmiVersion, MODEL_IDENTIFIER, model_description, terminals};
+use crate::description::{
+    FmiVersion, MODEL_IDENTIFIER, model_description, start_values, terminals,
+};
 use crate::documentation::{LibraryNotes, page};
 use crate::reference_run::{ReferenceRun, reference_run};
+use crate::variables::Variables;
 use std::fmt;
 use std::io::{Cursor, Write};
 use std::path::{Path, PathBuf};
@@ -196,6 +199,8 @@ pub fn package(scene_text: &str, options: &Options) -> Result<Packed, PackageErr
     let notes = LibraryNotes {
         glibc: glibc.clone(),
     };
+    let start = start_values(model, &Variables::new(model))?;
+    let documentation = page(&compilation, &start, version, is_scalar, &notes);
     let mut files: Vec<(String, Vec<u8>)> = vec![
         ("modelDescription.xml".into(), description.into()),
         (
@@ -204,10 +209,7 @@ pub fn package(scene_text: &str, options: &Options) -> Result<Packed, PackageErr
         ),
         (format!("resources/{SCENE_FILE}"), text.into()),
         (format!("resources/{MODEL_FILE}"), model.to_bytes()),
-        (
-            "documentation/index.html".into(),
-            page(&compilation, version, is_scalar, &notes).into(),
-        ),
+        ("documentation/index.html".into(), documentation.into()),
     ];
     if version == FmiVersion::Fmi3 {
         let name = "terminalsAndIcons/terminalsAndIcons.xml";

@@ -1,11 +1,13 @@
 """FMUs for the tests: packed once by the command `stickslip`, whose folder STICKSLIP_BUILD names."""
 
+import json
 import os
 import subprocess
 from pathlib import Path
 
 import pytest
 from raw import Instance, Library
+from trajectories import SCENES
 
 BUILD = Path(os.environ.get("STICKSLIP_BUILD", Path(__file__).parents[2] / "target" / "release"))
 
@@ -29,6 +31,18 @@ def pack(tmp_path_factory):
             run(BUILD / "stickslip", "fmu", scene, "-o", path, "--fmi", version, *(f"--{s}" for s in scalar))
             packed[key] = path
         return packed[key]
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def pack_trajectory(pack, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("scenes")
+
+    def make(name, kind):
+        path = folder / f"{name}.json"
+        path.write_text(json.dumps(SCENES[name]))
+        return pack(path, kind)
 
     return make
 

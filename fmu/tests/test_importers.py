@@ -1,7 +1,11 @@
 """The same FMU in other importers, each in its own environment: STICKSLIP_IMPORTERS names a folder that holds a virtual
-environment per importer (made by scripts/importers_fmu.sh); without it these tests are skipped."""
+environment per importer (made by scripts/importers_fmu.sh); without it these tests are skipped.
 
-import ctypes
+Every importer runs every trajectory, and one whose load changes at every step, and gives slip rate, slip and tangential
+stress of every contact node at every communication point: the bits of the run that the packager made, as FMPy gives them too
+(test_trajectories.py).
+"""
+
 import json
 import os
 import shutil
@@ -9,10 +13,12 @@ import subprocess
 from pathlib import Path
 
 import fmpy
+import numpy as np
 import pytest
-from raw import OK, Instance, Library
+from trajectories import FIELDS, SCENES, fmpy_run, rust_run
 
 FOLDER = Path(os.environ.get("STICKSLIP_IMPORTERS", "/nonexistent"))
+SCRIPTS = Path(__file__).parent / "importers"
 
 
 def environment(name):
@@ -30,97 +36,65 @@ def test_manipulation_toolbox_finds_nothing(pack, scene, kind):
     assert "seems to be compliant" in text and "No semantic error" in text, text
 
 
-# Each script steps the paper's example 32 times through one importer and prints a few contact values: the stress and the
-# slip rate of the first and the last contact node.
-LIBCOSIM = """
-import sys
-from libcosimpy.CosimExecution import CosimExecution
-from libcosimpy.CosimObserver import CosimObserver
-from libcosimpy.CosimSlave import CosimLocalSlave
-execution = CosimExecution.from_step_size(step_size=10**9 // 32)
-index = execution.add_local_slave(CosimLocalSlave(fmu_path=sys.argv[1], instance_name="pad"))
-observer = CosimObserver.create_last_value()
-execution.add_observer(observer)
-assert execution.simulate_until(10**9)
-references = [int(r) for r in sys.argv[4:]]
-print("values", *(float(x).hex() for x in observer.last_real_values(index, references)))
-"""
-
-# With FMI 2, fmuloader asks for the functions of Model Exchange too and refuses an FMU for Co-Simulation alone.
-FMULOADER = """
-import sys
-from fmuloader.fmi3 import Fmi3Slave
-pad = Fmi3Slave(sys.argv[1], model_identifier=sys.argv[2])
-pad.instantiate_co_simulation("pad", instantiation_token=sys.argv[3])
-pad.enter_initialization_mode(start_time=0.0)
-pad.exit_initialization_mode()
-for i in range(32):
-    pad.do_step(i / 32, 1 / 32)
-print("values", *(x.hex() for x in pad.get_float64([int(r) for r in sys.argv[4:]])))
-pad.terminate()
-pad.free_instance()
-"""
-
-ECOS = """
-import sys
-from ecospy import EcosSimulation, EcosSimulationStructure
-with EcosSimulationStructure() as structure:
-    structure.add_model("pad", sys.argv[1])
-    with EcosSimulation(structure=structure, step_size=1 / 32) as simulation:
-        simulation.init()
-        for i in range(32):
-            simulation.step()
-        names = [f"pad::contact.{q}[{i}]" for q in ("tangential_stress", "slip_rate") for i in (1, 32)]
-        print("values", *(float(simulation.get_real(name)).hex() for name in names))
-        simulation.terminate()
-"""
+def contact(fmu):
+    """Inputs of the packager's run; names and rows of the contact fields in it."""
+    inputs, (names, *rows) = rust_run(fmu)
+    columns = [i for i, name in enumerate(names) if name.removeprefix("contact.").split("[")[0] in FIELDS]
+    assert len(columns) in (3 * 8, 3 * 32) and len(rows) == 33
+    return inputs, [names[i] for i in columns], [[row[i] for i in columns] for row in rows]
 
 
+def check_bits(found, expected):
+    assert np.shape(found) == np.shape(expected)
+    assert np.array(found).tobytes() == np.array(expected).tobytes()
+
+
+# What each can carry: ecospy and fmuloader read the scalars of FMI 3 and no arrays; with FMI 2, fmuloader asks for the
+# functions of Model Exchange too and refuses an FMU for Co-Simulation alone; libcosimpy is for FMI 2.
+@pytest.mark.parametrize("name", SCENES)
 @pytest.mark.parametrize(
-    ("importer", "kind", "script"),
-    [
-        ("libcosimpy", "2", LIBCOSIM),
-        ("fmuloader", "3 scalar", FMULOADER),
-        ("ecospy", "2", ECOS),
-        ("ecospy", "3 scalar", ECOS),
-    ],
+    ("importer", "kind"), [("libcosimpy", "2"), ("fmuloader", "3 scalar"), ("ecospy", "2"), ("ecospy", "3 scalar")]
 )
-def test_importer_gives_the_same_bits(pack, importer, kind, script):
+def test_importer_gives_the_same_bits(pack_trajectory, importer, kind, name, tmp_path):
     python = environment(importer) / "python"
-    fmu = pack("kazmi2014", kind)
-    description = fmpy.read_model_description(str(fmu))
-    by_name = {v.name: v.valueReference for v in description.modelVariables}
-    names = [f"contact.{q}[{i}]" for q in ("tangential_stress", "slip_rate") for i in (1, 32)]
-    references = [str(by_name[n]) for n in names]
-    token = description.guid or description.instantiationToken
-    arguments = [str(fmu), description.coSimulation.modelIdentifier, token, *references]
-    done = subprocess.run([python, "-c", script, *arguments], capture_output=True, text=True)
-    lines = [line for line in done.stdout.splitlines() if line.startswith("values")]
-    assert lines, done.stdout + done.stderr
-    library = Library(fmu)
-    pad = Instance(library).start()
-    for i in range(32):
-        assert pad.step(i / 32, 1 / 32) == OK
-    expected = (ctypes.c_double * len(references))()
-    assert pad.get_refs([int(r) for r in references], expected) == OK
-    assert [float.fromhex(x) for x in lines[-1].split()[1:]] == list(expected)
-    pad.free()
-    library.close()
+    fmu = pack_trajectory(name, kind)
+    d = fmpy.read_model_description(str(fmu))
+    references = {v.name: v.valueReference for v in d.modelVariables}
+    inputs, names, expected = contact(fmu)
+    job = {
+        "fmu": str(fmu),
+        "identifier": d.coSimulation.modelIdentifier,
+        "token": d.guid or d.instantiationToken,
+        "step": inputs[2][0],
+        "inputs": [row[1:] for row in inputs[1:]],
+        "input_names": inputs[0][1:],
+        "input_references": [references[n] for n in inputs[0][1:]],
+        "names": names,
+        "references": [references[n] for n in names],
+    }
+    (tmp_path / "job.json").write_text(json.dumps(job))
+    done = subprocess.run([python, SCRIPTS / f"run_{importer}.py", tmp_path / "job.json"], capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    rows = [line.split()[1:] for line in done.stdout.splitlines() if line.startswith("row ")]
+    check_bits([[float.fromhex(x) for x in row] for row in rows], expected)
 
 
-@pytest.mark.parametrize("kind", ["2", "3 scalar"])
-def test_a_container_of_the_toolbox_gives_the_same_bits(pack, kind, tmp_path):
-    """The FMU inside a container FMU, which runs in FMPy."""
+@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("kind", ["2", "3", "3 scalar"])
+def test_a_container_of_the_toolbox_gives_the_same_bits(pack_trajectory, kind, name, tmp_path):
+    """The FMU inside a container FMU, which runs in FMPy; a container for FMI 3 hands arrays on."""
     tool = environment("fmu-manipulation-toolbox") / "fmucontainer"
-    fmu = pack("kazmi2014", kind)
+    fmu = pack_trajectory(name, kind)
+    inputs, names, expected = contact(fmu)
+    if kind == "3":
+        names = [f"contact.{field}" for field in dict.fromkeys(n.removeprefix("contact.").split("[")[0] for n in names)]
     shutil.copy(fmu, tmp_path / "pad.fmu")
-    names = [f"contact.{q}[{i}]" for q in ("tangential_stress", "slip_rate") for i in (1, 32)]
     content = {
         "name": "container.fmu",
-        "step_size": 1 / 32,
+        "step_size": inputs[2][0],
         "fmu": ["pad.fmu"],
-        "input": [["press", "pad.fmu", "press"]],
-        "output": [["pad.fmu", name, f"value{i}"] for i, name in enumerate(names)],
+        "input": [[n, "pad.fmu", n] for n in inputs[0][1:]],
+        "output": [["pad.fmu", n, n] for n in names],
         "auto_output": False,
     }
     (tmp_path / "container.json").write_text(json.dumps(content))
@@ -128,8 +102,4 @@ def test_a_container_of_the_toolbox_gives_the_same_bits(pack, kind, tmp_path):
     done = subprocess.run([tool, *options], cwd=tmp_path, capture_output=True, text=True)
     container = tmp_path / "container.fmu"
     assert container.is_file(), done.stdout + done.stderr
-    course = {"stop_time": 1.0, "output_interval": 1 / 32, "start_values": {"press": -0.3}}
-    inside = fmpy.simulate_fmu(str(container), step_size=1 / 32, output=[f"value{i}" for i in range(4)], **course)
-    alone = fmpy.simulate_fmu(str(fmu), output=names, **course)
-    # the container's clock adds its steps up: the last point is the same
-    assert list(inside[-1])[1:] == [alone[-1][name] for name in names]
+    check_bits([row[1:] for row in fmpy_run(container, inputs, names)], expected)

@@ -70,7 +70,7 @@ class Header:
 
 def rust_type(declared):
     declared = " ".join(declared.split()).rstrip(",")
-    if declared in ("Instance", "Component", "FmuState"):
+    if declared in ("Instance", "Component", "State"):
         return "*mut void"
     if "extern \"C\" fn" in declared or declared in ("LogMessage", "Logger", "Callback"):
         return "fn"
@@ -94,8 +94,8 @@ def split(parameters):
 
 def exported(version):
     """The functions that the Rust sources export, those made by macros included."""
-    text = "".join(without_comments(p.read_text()) for p in sorted(SOURCES.rglob(f"fmi{version}*.rs")))
-    text += "".join(without_comments(p.read_text()) for p in sorted((SOURCES / f"fmi{version}").rglob("*.rs")))
+    files = [SOURCES / f"fmi{version}.rs", *sorted((SOURCES / f"fmi{version}").rglob("*.rs"))]
+    text = "".join(without_comments(p.read_text()) for p in files)
     functions = {}
     plain = r"fn (fmi\d[A-Z]\w+)\(((?:[^()]|\((?:[^()]|\([^()]*\))*\))*)\)\s*(?:->\s*([^{]+?))?\s*\{"
     for name, parameters, result in re.findall(plain, text):

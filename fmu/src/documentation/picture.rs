@@ -1,0 +1,238 @@
+//! The picture of the body: mesh, clamped, loaded and contact parts, probes, axes; as SVG. In 3D an oblique projection in
+//! which the faces turned to the reader let the others shine through.
+
+use super::drawing::{Frame, OBLIQUE, Point, arrow, axes, path, project, text};
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use stickslip::Model;
+use stickslip::mesh::Mesh;
+use stickslip::scene::LoadKind;
+
+const ARROW: f64 = 56.0;
+/// A mesh with more faces to draw is shown by its outline alone.
+const MOST_FACES: usize = 20_000;
+/// Faces of a positively oriented tetrahedron, outward normal by the right-hand rule.
+const TETRAHEDRON: [[usize; 3]; 4] = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+
+pub const CONTACT: &str = "#c0392b";
+pub const CLAMPED: &str = "#444444";
+pub const LOAD: &str = "#1e8449";
+pub const PROBE: &str = "#1f4e9c";
+const LINES: &str = "#7f9cc4";
+
+/// Whether a face shows its outer side: its normal has a share against the line of sight, the direction that the projection
+/// maps to a point.
+fn is_turned_to_reader(mesh: &Mesh, face: &[u32]) -> bool {
+    let p = |i: usize| mesh.nodes[face[i] as usize];
+    let side = |i: usize| [0, 1, 2].map(|k| p(i)[k] - p(0)[k]);
+    let (a, b) = (side(1), side(2));
+    let normal = [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ];
+    normal[2] < OBLIQUE[0] * normal[0] + OBLIQUE[1] * normal[1]
+}
+
+/// Outer faces of a mesh of tetrahedra: those that belong to one cell.
+fn outer_faces(mesh: &Mesh) -> Vec<[u32; 3]> {
+    let mut faces: BTreeMap<[u32; 3], Option<[u32; 3]>> = BTreeMap::new();
+    for cell in mesh.cells() {
+        for face in TETRAHEDRON.map(|f| f.map(|i| cell[i])) {
+            let mut key = face;
+            key.sort_unstable();
+            faces
+                .entry(key)
+                .and_modify(|f| *f = None)
+                .or_insert(Some(face));
+        }
+    }
+    faces.into_values().flatten().collect()
+}
+
+/// Edges that belong to one of the faces only.
+fn outline(faces: &[Vec<u32>]) -> Vec<Vec<u32>> {
+    let mut edges: BTreeMap<[u32; 2], usize> = BTreeMap::new();
+    for face in faces {
+        for (i, &a) in face.iter().enumerate() {
+            let b = face[(i + 1) % face.len()];
+            *edges.entry([a.min(b), a.max(b)]).or_default() += 1;
+        }
+    }
+    let once = edges.into_iter().filter(|(_, count)| *count == 1);
+    once.map(|(edge, _)| edge.to_vec()).collect()
+}
+
+/// Corners of the faces of a part.
+fn part(mesh: &Mesh, name: &str) -> Vec<Vec<u32>> {
+    let corners = |face: &[u32]| face[..mesh.dimension].to_vec();
+    mesh.faces(name, "")
+        .map_or(Vec::new(), |faces| faces.map(corners).collect())
+}
+
+/// Middle of the nodes of faces.
+fn middle(mesh: &Mesh, faces: &[Vec<u32>]) -> Option<[f64; 3]> {
+    let nodes: Vec<u32> = faces.concat();
+    let count = nodes.len() as f64;
+    let sum = |i: usize| {
+        nodes
+            .iter()
+            .map(|n| mesh.nodes[*n as usize][i])
+            .sum::<f64>()
+    };
+    (!nodes.is_empty()).then(|| [sum(0) / count, sum(1) / count, sum(2) / count])
+}
+
+/// The body, back to front.
+fn body(frame: &Frame, mesh: &Mesh, model: &Model) -> String {
+    let scene = model.scene();
+    let loaded = scene.loads.iter().filter_map(|l| l.part.as_ref());
+    let parts = scene.clamped.iter().map(|name| (name, CLAMPED));
+    let parts: Vec<_> = parts.chain(loaded.map(|name| (name, LOAD))).collect();
+    let mut svg = String::new();
+    if mesh.dimension == 2 {
+        let cells: Vec<Vec<u32>> = mesh.cells().map(|cell| cell[..3].to_vec()).collect();
+        let lines = format!("fill=\"none\" stroke=\"{LINES}\" stroke-width=\"0.6\"");
+        if cells.len() <= MOST_FACES {
+            svg += &path(frame, mesh, &cells, &lines);
+        }
+        let outer = "stroke=\"#555\" stroke-width=\"1.2\" fill=\"none\"";
+        svg += &path(frame, mesh, &outline(&cells), outer);
+        for (name, colour) in parts {
+            let style = format!("stroke=\"{colour}\" stroke-width=\"5\" stroke-linecap=\"round\"");
+            svg += &path(frame, mesh, &part(mesh, name), &style);
+        }
+        return svg + &contact(frame, mesh, model, &[], false);
+    }
+    let turned = |face: &Vec<u32>| is_turned_to_reader(mesh, face);
+    let faces = outer_faces(mesh).into_iter().map(|f| f.to_vec());
+    let front: Vec<Vec<u32>> = faces.filter(turned).collect();
+    let fill = |is_front: bool, svg: &mut String| {
+        for (name, colour) in &parts {
+            let faces = part(mesh, name)
+                .into_iter()
+                .filter(|f| turned(f) == is_front);
+            let style = format!("fill=\"{colour}\" fill-opacity=\"0.3\"");
+            *svg += &path(frame, mesh, &faces.collect::<Vec<_>>(), &style);
+        }
+    };
+    fill(false, &mut svg);
+    svg += &contact(frame, mesh, model, &front, true);
+    let stroke = match front.len() <= MOST_FACES {
+        true => format!("stroke=\"{LINES}\" stroke-width=\"0.6\""),
+        false => String::new(),
+    };
+    let veil = format!("fill=\"#fff\" fill-opacity=\"0.72\" {stroke}");
+    svg += &path(frame, mesh, &front, &veil);
+    fill(true, &mut svg);
+    let outer = "stroke=\"#555\" stroke-width=\"1.2\" fill=\"none\"";
+    svg += &path(frame, mesh, &outline(&front), outer);
+    svg + &contact(frame, mesh, model, &front, false)
+}
+
+/// Contact nodes behind the front faces, or the others.
+fn contact(
+    frame: &Frame,
+    mesh: &Mesh,
+    model: &Model,
+    front: &[Vec<u32>],
+    is_behind: bool,
+) -> String {
+    let seen: std::collections::BTreeSet<[u64; 3]> = front
+        .iter()
+        .flatten()
+        .map(|n| mesh.nodes[*n as usize].map(f64::to_bits))
+        .collect();
+    let hidden = |p: &[f64; 3]| mesh.dimension == 3 && !seen.contains(&p.map(f64::to_bits));
+    let points = model.contact().points.iter();
+    let mut svg = String::new();
+    for point in points.filter(|p| hidden(p) == is_behind) {
+        let [x, y] = frame.at(point);
+        let _ = writeln!(
+            svg,
+            "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"2.6\" fill=\"{CONTACT}\"/>"
+        );
+    }
+    svg
+}
+
+/// Arrows and names of the loads.
+fn loads(frame: &Frame, mesh: &Mesh, model: &Model) -> String {
+    let corners: Vec<Vec<u32>> = mesh.cells().map(<[u32]>::to_vec).collect();
+    let mut svg = String::new();
+    for load in &model.scene().loads {
+        let faces = load.part.as_ref().map(|name| part(mesh, name));
+        let Some(place) = middle(mesh, faces.as_deref().unwrap_or(&corners)) else {
+            continue;
+        };
+        let mut direction = [0.0; 3];
+        direction[..load.direction.len()].copy_from_slice(&load.direction);
+        let d = project(&direction);
+        let length = d[0].hypot(d[1]).max(f64::MIN_POSITIVE);
+        let d = d.map(|x| ARROW * x / length);
+        let at = frame.at(&place);
+        // an arrow into the body ends on its side, one out of it or along it begins there
+        let inner = frame.at(&middle(mesh, &corners).unwrap_or(place));
+        let inwards = (inner[0] - at[0]) * d[0] + (inner[1] - at[1]) * d[1];
+        let is_inwards = load.kind == LoadKind::Traction
+            && inwards > 0.2 * ARROW * (inner[0] - at[0]).hypot(inner[1] - at[1]);
+        let (from, to) = match is_inwards {
+            true => ([at[0] - d[0], at[1] - d[1]], at),
+            false => (at, [at[0] + d[0], at[1] + d[1]]),
+        };
+        svg += &arrow(from, to, LOAD);
+        let far = if is_inwards { from } else { to };
+        svg += &text([far[0] + 8.0, far[1] - 6.0], "start", LOAD, &load.name);
+    }
+    svg
+}
+
+fn probes(frame: &Frame, model: &Model) -> String {
+    let mut svg = String::new();
+    for probe in &model.scene().probes {
+        let mut point = [0.0; 3];
+        point[..probe.at.len()].copy_from_slice(&probe.at);
+        let [x, y] = frame.at(&point);
+        let _ = writeln!(
+            svg,
+            "<rect x=\"{:.1}\" y=\"{:.1}\" width=\"8\" height=\"8\" fill=\"{PROBE}\"/>",
+            x - 4.0,
+            y - 4.0
+        );
+        svg += &text([x + 8.0, y - 8.0], "start", PROBE, &probe.name);
+    }
+    svg
+}
+
+/// Numbers of the first and the last contact node, on that side of the contact that is away from the body.
+fn numbers(frame: &Frame, model: &Model) -> String {
+    let points: Vec<Point> = model.contact().points.iter().map(|p| frame.at(p)).collect();
+    let count = points.len() as f64;
+    let away =
+        [0, 1].map(|i| points.iter().map(|p| p[i]).sum::<f64>() / count - frame.size[i] / 2.0);
+    let share = 18.0 / away[0].hypot(away[1]).max(f64::MIN_POSITIVE);
+    let mut svg = String::new();
+    for (number, point) in [(1, points.first()), (points.len(), points.last())] {
+        if let Some([x, y]) = point {
+            let place = [x + share * away[0], y + share * away[1] + 5.0];
+            svg += &text(place, "middle", CONTACT, &number.to_string());
+        }
+    }
+    svg
+}
+
+/// The picture.
+pub fn svg(mesh: &Mesh, model: &Model) -> String {
+    let frame = Frame::of(mesh);
+    let [width, height] = frame.size;
+    let mut svg = format!(
+        "<svg viewBox=\"0 0 {width:.0} {height:.0}\" width=\"{width:.0}\" role=\"img\" font-size=\"15\" \
+         font-family=\"sans-serif\"><title>The body</title>\n"
+    );
+    svg += &body(&frame, mesh, model);
+    svg += &loads(&frame, mesh, model);
+    svg += &probes(&frame, model);
+    svg += &numbers(&frame, model);
+    svg += &axes(&frame, mesh.dimension);
+    svg + "</svg>\n"
+}
