@@ -52,7 +52,7 @@ fn keys() {
         &[
             (r#""element": "p1","#, r#""elemnt": "p1","#, "elemnt", "unknown key \"elemnt\"", "clamped, contact, element"),
             (r#""alpha": 100"#, r#""alhpa": 100"#, "contact.friction.alhpa", "unknown key \"alhpa\"", "a, alpha, b, law"),
-            (r#""size""#, r#""sizes""#, "mesh.sizes", "unknown key", "cells, kind, periodic, size"),
+            (r#""size""#, r#""sizes""#, "mesh.sizes", "unknown key", "cells, grading, kind, periodic, size"),
             (r#""mu1""#, r#""nu1""#, "material.viscosity.nu1", "unknown key", "law, mu1, mu2"),
             (r#""young""#, r#""Young""#, "material.elasticity.Young", "unknown key", "young"),
             (r#""direction""#, r#""dir""#, "loads[0].dir", "unknown key", "direction"),
@@ -225,6 +225,11 @@ fn meshes_and_parts() {
             (cells, r#"[32, 16], "periodic": ["x"]"#, "clamped[0]", "\"left\"", "bottom, top (mesh.periodic is [\"x\"])"),
             (cells, r#"[32, 16], "periodic": ["y"]"#, "contact.part", "\"bottom\"", "left, right (mesh.periodic"),
             (cells, r#"[32, 16], "periodic": ["x", "y"]"#, "clamped[0]", "\"left\"", "no part"),
+            (cells, r#"[32, 16], "grading": 2"#, "mesh.grading", "2", "an array of 2, each a number >= 1"),
+            (cells, r#"[32, 16], "grading": [2.0]"#, "mesh.grading", "[2.0]", "an array of 2, each a number >= 1"),
+            (cells, r#"[32, 16], "grading": [2, 0.5]"#, "mesh.grading[1]", "0.5", "a number >= 1"),
+            (cells, r#"[32, 16], "grading": [6, 1]"#, "mesh.grading[0]", "6, whose first cell is 2.98", "at most 5.56"),
+            (cells, r#"[32, 16], "grading": [1, 2], "periodic": ["y"]"#, "mesh.grading[1]", "2", "1 along an axis of mesh.periodic"),
             (left, r#"["wall"]"#, "clamped[0]", "\"wall\"", "left, right, bottom, top"),
             (left, r#"["front"]"#, "clamped[0]", "\"front\"", "left, right, bottom, top"),
             (left, r#"["left", "left"]"#, "clamped[1]", "a second time", "once"),
@@ -246,7 +251,11 @@ fn meshes_and_parts() {
     );
     assert_edits_refused(
         "brake_pad_3d",
-        &[(r#""part": "back""#, r#""part": "rear""#, "loads[1].part", "\"rear\"", "top, back, front")],
+        &[
+            (r#""part": "back""#, r#""part": "rear""#, "loads[1].part", "\"rear\"", "top, back, front"),
+            ("[16, 3, 8]", r#"[16, 3, 8], "grading": [1, 1]"#, "mesh.grading", "[1,1]", "an array of 3"),
+            ("[16, 3, 8]", r#"[16, 3, 8], "grading": [1, 2, 20]"#, "mesh.grading[2]", "20, whose first cell is", "at most 11.1"),
+        ],
     );
 }
 

@@ -5,10 +5,12 @@
 //! unknowns, so that a tie costs no equation. What is not here: adjacency, refinement, curved cells.
 
 mod boxes;
+mod lines;
 mod rectangle;
 
 use crate::error::{Error, Result};
 use crate::scene::{Axis, MeshSpec};
+use lines::Lines;
 use std::collections::BTreeMap;
 
 /// A conforming mesh of triangles (2D) or tetrahedra (3D).
@@ -31,26 +33,13 @@ impl Mesh {
     /// Generates the mesh that a scene describes.
     ///
     /// # Errors
-    /// [`Error::Scene`] for a size, a number of cells or a periodic axis that gives no mesh.
+    /// [`Error::Scene`] for a size, a number of cells, a grading or a periodic axis that gives no mesh.
     pub fn generate(spec: &MeshSpec) -> Result<Mesh> {
-        match spec {
-            MeshSpec::Rectangle {
-                size,
-                cells,
-                periodic,
-            } => {
-                check(size, cells, periodic)?;
-                Ok(rectangle::generate(*size, *cells, periodic))
-            }
-            MeshSpec::Box {
-                size,
-                cells,
-                periodic,
-            } => {
-                check(size, cells, periodic)?;
-                Ok(boxes::generate(*size, *cells, periodic))
-            }
-        }
+        check(spec)?;
+        Ok(match spec {
+            MeshSpec::Rectangle { periodic, .. } => rectangle::generate(&lines(spec), periodic),
+            MeshSpec::Box { periodic, .. } => boxes::generate(&lines(spec), periodic),
+        })
     }
 
     /// Node numbers of each cell.
@@ -133,8 +122,14 @@ pub(crate) fn scene_error(path: &str, found: String, allowed: String) -> Error {
     }
 }
 
+/// The grid lines of every axis.
+fn lines<const N: usize>(spec: &MeshSpec) -> [Lines; N] {
+    std::array::from_fn(|i| Lines::new(spec.size()[i], spec.cells()[i], spec.grading()[i]))
+}
+
 /// Checks what would otherwise give an empty, inverted or unnumberable mesh.
-fn check(size: &[f64], cells: &[u32], periodic: &[Axis]) -> Result<()> {
+fn check(spec: &MeshSpec) -> Result<()> {
+    let (size, cells, periodic) = (spec.size(), spec.cells(), spec.periodic());
     for (i, &length) in size.iter().enumerate() {
         if !(length.is_finite() && length > 0.0) {
             return Err(scene_error(
@@ -163,6 +158,12 @@ fn check(size: &[f64], cells: &[u32], periodic: &[Axis]) -> Result<()> {
             "a mesh whose nodes and cells can be numbered with 32 bits".to_string(),
         ));
     }
+    for axis in [Axis::X, Axis::Y, Axis::Z] {
+        if let Some((found, allowed)) = spec.grading_fault(axis) {
+            let path = format!("mesh.grading[{}]", axis.index());
+            return Err(scene_error(&path, found, allowed));
+        }
+    }
     if size.len() == 2 && periodic.contains(&Axis::Z) {
         return Err(scene_error(
             "mesh.periodic",
@@ -179,11 +180,13 @@ mod tests {
 
     #[test]
     fn unusable_specifications_name_their_path() {
-        let rectangle = |size, cells, periodic| MeshSpec::Rectangle {
+        let graded = |size, cells, grading, periodic| MeshSpec::Rectangle {
             size,
             cells,
+            grading,
             periodic,
         };
+        let rectangle = |size, cells, periodic| graded(size, cells, [1.0; 2], periodic);
         for (spec, expected) in [
             (rectangle([1.0, 0.0], [1, 1], vec![]), "mesh.size[1]"),
             (rectangle([f64::NAN, 1.0], [1, 1], vec![]), "mesh.size[0]"),
@@ -192,6 +195,22 @@ mod tests {
             (
                 rectangle([1.0, 1.0], [1, 1], vec![Axis::Z]),
                 "mesh.periodic",
+            ),
+            (
+                graded([1.0, 1.0], [4, 4], [2.0, 0.5], vec![]),
+                "mesh.grading[1]",
+            ),
+            (
+                graded([1.0, 1.0], [4, 4], [f64::NAN, 1.0], vec![]),
+                "mesh.grading[0]",
+            ),
+            (
+                graded([1.0, 1.0], [4, 4], [2.0, 2.0], vec![Axis::X]),
+                "mesh.grading[0]",
+            ),
+            (
+                graded([1.0, 1.0], [4, 4], [1.0, 30.0], vec![]),
+                "mesh.grading[1]",
             ),
         ] {
             match Mesh::generate(&spec) {
@@ -203,7 +222,7 @@ mod tests {
 
     #[test]
     fn an_unknown_part_lists_the_parts() {
-        let mesh = rectangle::generate([1.0, 1.0], [1, 1], &[Axis::X]);
+        let mesh = rectangle::uniform([1.0, 1.0], [1, 1], &[Axis::X]);
         let Err(Error::Scene { path, allowed, .. }) = mesh.faces("left", "contact.part").map(drop)
         else {
             panic!("a periodic axis has no parts");

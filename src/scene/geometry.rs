@@ -34,6 +34,40 @@ impl MeshSpec {
         }
     }
 
+    /// Exponents of the grading along the axes; 1 is uniform.
+    pub fn grading(&self) -> &[f64] {
+        match self {
+            MeshSpec::Rectangle { grading, .. } => grading,
+            MeshSpec::Box { grading, .. } => grading,
+        }
+    }
+
+    /// What is wrong with the grading along an axis and what would be right; `None` for a usable one.
+    pub(crate) fn grading_fault(&self, axis: Axis) -> Option<(String, String)> {
+        // thinner cells than this would be lost among the tolerances of points and matrices
+        const THINNEST: f64 = 1e-7;
+        let i = axis.index();
+        let (&exponent, &cells) = (self.grading().get(i)?, self.cells().get(i)?);
+        if !(exponent.is_finite() && exponent >= 1.0) {
+            return Some((exponent.to_string(), "a finite number >= 1".to_owned()));
+        }
+        if exponent == 1.0 {
+            return None;
+        }
+        if self.periodic().contains(&axis) {
+            let allowed = "1 along an axis of mesh.periodic: its ends are no boundary".to_owned();
+            return Some((exponent.to_string(), allowed));
+        }
+        let first = 0.5 * (2.0 / f64::from(cells)).powf(exponent);
+        (cells > 2 && first < THINNEST).then(|| {
+            let most = (0.5 / THINNEST).ln() / (0.5 * f64::from(cells)).ln();
+            (
+                format!("{exponent}, whose first cell is {first:e} of the length"),
+                format!("at most {most:.3} with {cells} cells"),
+            )
+        })
+    }
+
     /// Axes along which the body is periodic.
     pub fn periodic(&self) -> &[Axis] {
         match self {
@@ -92,6 +126,7 @@ mod tests {
         MeshSpec::Box {
             size: [1.0, 2.0, 3.0],
             cells: [2, 3, 4],
+            grading: [1.0; 3],
             periodic,
         }
     }
@@ -110,6 +145,7 @@ mod tests {
         let square = MeshSpec::Rectangle {
             size: [1.0, 1.0],
             cells: [1, 1],
+            grading: [1.0; 2],
             periodic: vec![],
         };
         assert_eq!(square.node_bound(), 5);

@@ -51,6 +51,12 @@ fn check_mesh(mesh: &MeshSpec) -> Verdict {
             Refusal::new(&path, format!("{found} a second time"), "each axis once")
         })?;
     }
+    for axis in [Axis::X, Axis::Y, Axis::Z] {
+        if let Some((found, allowed)) = mesh.grading_fault(axis) {
+            let path = format!("mesh.grading[{}]", axis.index());
+            return Err(Refusal::new(path, found, allowed));
+        }
+    }
     let nodes = mesh.node_bound();
     ensure(nodes <= u128::from(MAX_NODES), || {
         let found = format!("{}, which makes {nodes} nodes", json(&mesh.cells()));
