@@ -101,7 +101,7 @@ fn types_and_names() {
             (r#""kazmi2014"}"#, r#""plane"}"#, "material.elasticity.convention", "\"plane\"", r#""plane_strain""#),
             (r#""trapezoid""#, r#""simpson""#, "time.scheme", "\"simpson\"", r#""tr_bdf2""#),
             (r#""consistent""#, r#""rest""#, "time.start", "\"rest\"", r#""consistent", "zero""#),
-            (r#""p1""#, r#""p2""#, "element", "\"p2\"", r#""p1""#),
+            (r#""p1""#, r#""p3""#, "element", "\"p3\"", r#""p1", "p2""#),
             (r#""schema_version": 1"#, r#""schema_version": 2, "new": 0"#, "schema_version", "2", "1"),
         ],
     );
@@ -249,10 +249,13 @@ fn meshes_and_parts() {
         &text.replace(cells, "[1, 16]"),
         ("clamped", "left", "leave nodes of contact.part free"),
     );
+    let quadratic = text.replace(cells, "[1, 16]").replace(r#""p1""#, r#""p2""#);
+    assert!(Scene::from_json(&quadratic, "test.json").is_ok());
     assert_edits_refused(
         "brake_pad_3d",
         &[
             (r#""part": "back""#, r#""part": "rear""#, "loads[1].part", "\"rear\"", "top, back, front"),
+            ("[16, 3, 8]},", r#"[16, 3, 8]}, "element": "p2","#, "element", "\"p2\" in 3 dimensions", "vanish at its vertices"),
             ("[16, 3, 8]", r#"[16, 3, 8], "grading": [1, 1]"#, "mesh.grading", "[1,1]", "an array of 3"),
             ("[16, 3, 8]", r#"[16, 3, 8], "grading": [1, 2, 20]"#, "mesh.grading[2]", "20, whose first cell is", "at most 11.1"),
         ],

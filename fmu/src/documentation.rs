@@ -152,7 +152,8 @@ pub fn picture(mesh: &Mesh, model: &Model) -> String {
         svg.push('Z');
     };
     if mesh.dimension == 2 {
-        mesh.cells().for_each(&mut draw);
+        // sides are straight: the corners draw quadratic triangles too
+        mesh.cells().for_each(|cell| draw(&cell[..3]));
     } else {
         // the faces that look towards the reader: the upper, the right and the nearest side
         let sides = ["top", "right", "back"];

@@ -12,7 +12,7 @@
 use super::Mesh;
 use super::lines::Lines;
 use super::rectangle::{CrissCross, side_names};
-use crate::scene::Axis;
+use crate::scene::{Axis, ElementKind};
 use std::collections::BTreeMap;
 
 const BACK: u8 = 16;
@@ -62,6 +62,7 @@ pub(super) fn generate([x, y, z]: &[Lines; 3], periodic: &[Axis]) -> Mesh {
 
     let mut mesh = Mesh {
         dimension: 3,
+        element: ElementKind::P1,
         nodes,
         cell_nodes,
         parts: BTreeMap::new(),

@@ -4,7 +4,7 @@
 
 use super::Mesh;
 use super::lines::Lines;
-use crate::scene::Axis;
+use crate::scene::{Axis, ElementKind};
 use std::collections::BTreeMap;
 
 /// Bits of the sides in the order left, right, bottom, top.
@@ -99,6 +99,7 @@ pub(super) fn generate(axes: &[Lines; 2], periodic: &[Axis]) -> Mesh {
     let plane = CrissCross::new(&axes[0], &axes[1], periodic);
     let mut mesh = Mesh {
         dimension: 2,
+        element: ElementKind::P1,
         nodes: plane.nodes,
         cell_nodes: plane.triangles.into_iter().flatten().collect(),
         parts: BTreeMap::new(),

@@ -1,6 +1,6 @@
 //! Sizes, axes and named parts of the generated meshes, as far as the scene alone determines them.
 
-use super::types::{Axis, MeshSpec};
+use super::types::{Axis, ElementKind, MeshSpec};
 
 /// Parts of the generated meshes with the axis they are normal to; the lower side of each axis comes first.
 const SIDES: [(&str, Axis); 6] = [
@@ -94,15 +94,36 @@ impl MeshSpec {
             .filter(|axis| axis.index() < self.dimension() && !self.periodic().contains(axis))
     }
 
-    /// Number of mesh nodes, those joined by periodicity counted twice: the corners of the cells and, in every layer,
-    /// the centres of the x-y cells.
-    pub fn node_bound(&self) -> u128 {
+    /// Number of mesh nodes, those joined by periodicity counted twice: the corners of the cells, in every layer the
+    /// centres of the x-y cells, and for quadratic elements the middles of all edges.
+    pub fn node_bound(&self, element: ElementKind) -> u128 {
         let n: Vec<u128> = self.cells().iter().map(|&n| u128::from(n)).collect();
         let layer = |x: u128, y: u128| (x + 1) * (y + 1) + x * y;
-        match *n.as_slice() {
-            [x, y] => layer(x, y),
-            [x, y, z] => layer(x, y) * (z + 1),
+        match (n.as_slice(), element) {
+            (&[x, y], ElementKind::P1) => layer(x, y),
+            (&[x, y], ElementKind::P2) => layer(x, y) + x * (y + 1) + (x + 1) * y + 4 * x * y,
+            (&[x, y, z], _) => layer(x, y) * (z + 1),
             _ => 0,
+        }
+    }
+}
+
+impl ElementKind {
+    /// Why cells of this dimension cannot have the element, and what they can have; `None` where they can.
+    pub(crate) fn fault(self, dimension: usize) -> Option<(String, String)> {
+        (self == ElementKind::P2 && dimension != 2).then(|| {
+            let found = format!("\"p2\" in {dimension} dimensions");
+            let allowed = "\"p1\", with mesh.grading for accuracy: the lumped contact weights of a quadratic \
+                           triangle vanish at its vertices, so that friction would not act there";
+            (found, allowed.to_owned())
+        })
+    }
+
+    /// Nodes along an edge that is cut into this many cells.
+    pub(crate) fn nodes_along(self, cells: u32) -> u64 {
+        match self {
+            ElementKind::P1 => u64::from(cells) + 1,
+            ElementKind::P2 => 2 * u64::from(cells) + 1,
         }
     }
 }
@@ -141,14 +162,18 @@ mod tests {
 
     #[test]
     fn nodes_are_corners_and_centres() {
-        assert_eq!(box_mesh(vec![]).node_bound(), (3 * 4 + 2 * 3) * 5);
+        assert_eq!(
+            box_mesh(vec![]).node_bound(ElementKind::P1),
+            (3 * 4 + 2 * 3) * 5
+        );
         let square = MeshSpec::Rectangle {
             size: [1.0, 1.0],
             cells: [1, 1],
             grading: [1.0; 2],
             periodic: vec![],
         };
-        assert_eq!(square.node_bound(), 5);
+        assert_eq!(square.node_bound(ElementKind::P1), 5);
+        assert_eq!(square.node_bound(ElementKind::P2), 13);
         assert_eq!(square.parts(), ["left", "right", "bottom", "top"]);
     }
 }

@@ -74,9 +74,12 @@ pub enum Axis {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ElementKind {
-    /// Linear simplex.
+    /// Linear simplex, in 2D and 3D.
     #[default]
     P1,
+    /// Quadratic triangle with straight sides, in 2D: about four times the unknowns of `p1` on the same cells, and
+    /// errors of the next order wherever the solution is smooth. Vertices and midside nodes are contact nodes.
+    P2,
 }
 
 /// Kelvin-Voigt material: `sigma = A eps(u') + B eps(u)`.
