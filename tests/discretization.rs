@@ -1,4 +1,4 @@
-//! Quadratic elements and graded meshes: exactness, orders of convergence, contact weights, and runs on them.
+//! Quadratic elements, graded and refined meshes: exactness, orders of convergence, contact weights, and runs on them.
 
 mod common;
 
@@ -334,10 +334,20 @@ fn runs(overrides: &[(&str, &str)]) -> [[Vec<f64>; 2]; 3] {
 }
 
 #[test]
-fn the_three_models_agree_on_quadratic_and_graded_bodies() {
+fn the_three_models_agree_on_quadratic_graded_and_refined_bodies() {
     let p2 = ("element", "p2");
     let graded = ("mesh.grading", "[2, 2.5]");
-    for overrides in [&[p2][..], &[graded], &[p2, graded]] {
+    let refined = (
+        "mesh.refine",
+        r#"[{"from": [0, 0.5], "size": 1e-3}, {"from": [0.1, 0], "to": [0.3, 0], "size": 0.03}]"#,
+    );
+    for overrides in [
+        &[p2][..],
+        &[graded],
+        &[p2, graded],
+        &[p2, refined],
+        &[graded, refined],
+    ] {
         let [full, condensed, reduced] = runs(overrides);
         for ((full, condensed), (reduced, tolerance)) in full
             .iter()

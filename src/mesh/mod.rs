@@ -3,8 +3,9 @@
 //! A mesh is plain data: coordinates, cells (triangles or tetrahedra) and the oriented faces of each named part.
 //! Periodicity is kept as a map from every node to the node it follows; the finite element layer gives both the same
 //! unknowns, so that a tie costs no equation. Quadratic triangles have straight sides: their midside nodes stand in the
-//! middle. What is not here: adjacency, refinement, curved cells.
+//! middle. What is not here: adjacency, adaptivity, curved cells.
 
+mod bisection;
 mod boxes;
 mod lines;
 mod midside;
@@ -42,10 +43,12 @@ impl Mesh {
     /// [`Error::Scene`] for a size, a number of cells, a grading or a periodic axis that gives no mesh.
     pub fn generate(spec: &MeshSpec) -> Result<Mesh> {
         check(spec)?;
-        Ok(match spec {
-            MeshSpec::Rectangle { periodic, .. } => rectangle::generate(&lines(spec), periodic),
-            MeshSpec::Box { periodic, .. } => boxes::generate(&lines(spec), periodic),
-        })
+        match spec {
+            MeshSpec::Rectangle {
+                periodic, refine, ..
+            } => rectangle::generate(&lines(spec), periodic, refine),
+            MeshSpec::Box { periodic, .. } => Ok(boxes::generate(&lines(spec), periodic)),
+        }
     }
 
     /// Nodes of a cell: `dimension + 1`, or 6 for the quadratic triangle.
@@ -186,6 +189,9 @@ fn check(spec: &MeshSpec) -> Result<()> {
             return Err(scene_error(&path, found, allowed));
         }
     }
+    if let Some((path, found, allowed)) = spec.refinement_fault() {
+        return Err(scene_error(&path, found, allowed));
+    }
     if size.len() == 2 && periodic.contains(&Axis::Z) {
         return Err(scene_error(
             "mesh.periodic",
@@ -206,6 +212,7 @@ mod tests {
             size,
             cells,
             grading,
+            refine: vec![],
             periodic,
         };
         let rectangle = |size, cells, periodic| graded(size, cells, [1.0; 2], periodic);

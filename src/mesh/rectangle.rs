@@ -2,9 +2,10 @@
 //!
 //! Nodes: the corners of the cells row by row (x fastest), then the centres of the cells row by row.
 
-use super::Mesh;
 use super::lines::Lines;
-use crate::scene::{Axis, ElementKind};
+use super::{Mesh, bisection};
+use crate::error::Result;
+use crate::scene::{Axis, ElementKind, Refinement};
 use std::collections::BTreeMap;
 
 /// Bits of the sides in the order left, right, bottom, top.
@@ -27,7 +28,7 @@ pub(super) fn side_names(periodic: &[Axis]) -> [Option<&'static str>; 4] {
 /// The criss-cross in the plane, before the sides are named: also the base of the extruded box.
 pub(super) struct CrissCross {
     pub nodes: Vec<[f64; 3]>,
-    /// Triangles, counter-clockwise.
+    /// Triangles, counter-clockwise; the first two nodes are a side of the grid.
     pub triangles: Vec<[u32; 3]>,
     /// Sides on which each node lies (bits).
     pub sides: Vec<u8>,
@@ -95,8 +96,16 @@ impl CrissCross {
 }
 
 /// Generates the mesh of `MeshSpec::Rectangle` from the lines of its axes.
-pub(super) fn generate(axes: &[Lines; 2], periodic: &[Axis]) -> Mesh {
-    let plane = CrissCross::new(&axes[0], &axes[1], periodic);
+///
+/// # Errors
+/// Those of [`bisection::refine`].
+pub(super) fn generate(
+    axes: &[Lines; 2],
+    periodic: &[Axis],
+    refinements: &[Refinement],
+) -> Result<Mesh> {
+    let mut plane = CrissCross::new(&axes[0], &axes[1], periodic);
+    bisection::refine(&mut plane, refinements)?;
     let mut mesh = Mesh {
         dimension: 2,
         element: ElementKind::P1,
@@ -106,14 +115,14 @@ pub(super) fn generate(axes: &[Lines; 2], periodic: &[Axis]) -> Mesh {
         leader: plane.leader,
     };
     mesh.name_sides(&plane.sides, &side_names(periodic));
-    mesh
+    Ok(mesh)
 }
 
 /// An ungraded rectangle.
 #[cfg(test)]
 pub(super) fn uniform(size: [f64; 2], cells: [u32; 2], periodic: &[Axis]) -> Mesh {
     let axis = |i: usize| Lines::new(size[i], cells[i], 1.0);
-    generate(&[axis(0), axis(1)], periodic)
+    generate(&[axis(0), axis(1)], periodic, &[]).expect("nothing to refine")
 }
 
 #[cfg(test)]

@@ -61,6 +61,9 @@ fn check_mesh(scene: &Scene) -> Verdict {
             return Err(Refusal::new(path, found, allowed));
         }
     }
+    if let Some((path, found, allowed)) = mesh.refinement_fault() {
+        return Err(Refusal::new(path, found, allowed));
+    }
     let nodes = mesh.node_bound(scene.element);
     ensure(nodes <= u128::from(MAX_NODES), || {
         let found = format!("{}, which makes {nodes} nodes", json(&mesh.cells()));
