@@ -12,6 +12,9 @@ fn scenes() -> Vec<Scene> {
         .iter()
         .map(|model| paper(8, &[("fidelity.model", model)]))
         .collect();
+    let quadratic = [("element", "p2"), ("mesh.grading", "[2, 2]")];
+    scenes.push(paper(8, &quadratic));
+    scenes.push(paper(8, &[quadratic[0], ("fidelity.model", "full")]));
     for name in stickslip::scene::example_names().filter(|n| *n != "kazmi2014") {
         let text = stickslip::scene::example(name).unwrap();
         scenes.push(Scene::from_json(text, name).unwrap());

@@ -52,7 +52,7 @@ fn keys() {
         &[
             (r#""element": "p1","#, r#""elemnt": "p1","#, "elemnt", "unknown key \"elemnt\"", "clamped, contact, element"),
             (r#""alpha": 100"#, r#""alhpa": 100"#, "contact.friction.alhpa", "unknown key \"alhpa\"", "a, alpha, b, law"),
-            (r#""size""#, r#""sizes""#, "mesh.sizes", "unknown key", "cells, kind, periodic, size"),
+            (r#""size""#, r#""sizes""#, "mesh.sizes", "unknown key", "cells, grading, kind, periodic, refine, size"),
             (r#""mu1""#, r#""nu1""#, "material.viscosity.nu1", "unknown key", "law, mu1, mu2"),
             (r#""young""#, r#""Young""#, "material.elasticity.Young", "unknown key", "young"),
             (r#""direction""#, r#""dir""#, "loads[0].dir", "unknown key", "direction"),
@@ -101,7 +101,7 @@ fn types_and_names() {
             (r#""kazmi2014"}"#, r#""plane"}"#, "material.elasticity.convention", "\"plane\"", r#""plane_strain""#),
             (r#""trapezoid""#, r#""simpson""#, "time.scheme", "\"simpson\"", r#""tr_bdf2""#),
             (r#""consistent""#, r#""rest""#, "time.start", "\"rest\"", r#""consistent", "zero""#),
-            (r#""p1""#, r#""p2""#, "element", "\"p2\"", r#""p1""#),
+            (r#""p1""#, r#""p3""#, "element", "\"p3\"", r#""p1", "p2""#),
             (r#""schema_version": 1"#, r#""schema_version": 2, "new": 0"#, "schema_version", "2", "1"),
         ],
     );
@@ -213,6 +213,7 @@ fn materials_across_values() {
 #[rustfmt::skip] // one row, one mistake
 fn meshes_and_parts() {
     let cells = "[32, 16]";
+    let refine = |place: &str| format!(r#"[32, 16], "refine": [{place}]"#);
     let left = r#"["left"]"#;
     assert_edits_refused(
         "kazmi2014",
@@ -225,6 +226,20 @@ fn meshes_and_parts() {
             (cells, r#"[32, 16], "periodic": ["x"]"#, "clamped[0]", "\"left\"", "bottom, top (mesh.periodic is [\"x\"])"),
             (cells, r#"[32, 16], "periodic": ["y"]"#, "contact.part", "\"bottom\"", "left, right (mesh.periodic"),
             (cells, r#"[32, 16], "periodic": ["x", "y"]"#, "clamped[0]", "\"left\"", "no part"),
+            (cells, r#"[32, 16], "grading": 2"#, "mesh.grading", "2", "an array of 2, each a number >= 1"),
+            (cells, r#"[32, 16], "grading": [2.0]"#, "mesh.grading", "[2.0]", "an array of 2, each a number >= 1"),
+            (cells, r#"[32, 16], "grading": [2, 0.5]"#, "mesh.grading[1]", "0.5", "a number >= 1"),
+            (cells, r#"[32, 16], "grading": [6, 1]"#, "mesh.grading[0]", "6, whose first cell is 2.98", "at most 5.56"),
+            (cells, r#"[32, 16], "grading": [1, 2], "periodic": ["y"]"#, "mesh.grading[1]", "2", "1 along an axis of mesh.periodic"),
+            (cells, &refine(r#"{"from": [0, 0.5], "size": 0}"#), "mesh.refine[0].size", "0", "> 0"),
+            (cells, &refine(r#"{"from": [0, 0.5], "size": 1e-8}"#), "mesh.refine[0].size", "1e-8", "at least 1e-7"),
+            (cells, &refine(r#"{"from": [0, 0], "to": [1, 0.5], "size": 1e-5}"#), "mesh.refine[0].size", "1e-5", "at least 3.05"),
+            (cells, &refine(r#"{"from": [0, 0.6], "size": 0.1}"#), "mesh.refine[0].from[1]", "0.6", "0 to 0.5, inside the body"),
+            (cells, &refine(r#"{"from": [0.2, 0], "to": [0.1, 0], "size": 0.1}"#), "mesh.refine[0].to[0]", "0.1", "0.2 (mesh.refine[0].from) to 1"),
+            (cells, &refine(r#"{"from": [0.2, 0], "to": [0.3, 0.6], "size": 0.1}"#), "mesh.refine[0].to[1]", "0.6", "to 0.5"),
+            (cells, &refine(r#"{"at": [0.2, 0], "size": 0.1}"#), "mesh.refine[0].at", "unknown key", "from, size, to"),
+            (cells, &refine(r#"{"from": [0.2], "size": 0.1}"#), "mesh.refine[0].from", "[0.2]", "an array of 2"),
+            (cells, &format!(r#"{}, "periodic": ["x"]"#, refine(r#"{"from": [0, 0], "size": 0.1}"#)), "mesh.refine", "with mesh.periodic", "no refinement of a periodic mesh"),
             (left, r#"["wall"]"#, "clamped[0]", "\"wall\"", "left, right, bottom, top"),
             (left, r#"["front"]"#, "clamped[0]", "\"front\"", "left, right, bottom, top"),
             (left, r#"["left", "left"]"#, "clamped[1]", "a second time", "once"),
@@ -244,9 +259,17 @@ fn meshes_and_parts() {
         &text.replace(cells, "[1, 16]"),
         ("clamped", "left", "leave nodes of contact.part free"),
     );
+    let quadratic = text.replace(cells, "[1, 16]").replace(r#""p1""#, r#""p2""#);
+    assert!(Scene::from_json(&quadratic, "test.json").is_ok());
     assert_edits_refused(
         "brake_pad_3d",
-        &[(r#""part": "back""#, r#""part": "rear""#, "loads[1].part", "\"rear\"", "top, back, front")],
+        &[
+            (r#""part": "back""#, r#""part": "rear""#, "loads[1].part", "\"rear\"", "top, back, front"),
+            ("[16, 3, 8]},", r#"[16, 3, 8]}, "element": "p2","#, "element", "\"p2\" in 3 dimensions", "vanish at its vertices"),
+            ("[16, 3, 8]", r#"[16, 3, 8], "refine": []"#, "mesh.refine", "unknown key", "cells, grading, kind, periodic, size"),
+            ("[16, 3, 8]", r#"[16, 3, 8], "grading": [1, 1]"#, "mesh.grading", "[1,1]", "an array of 3"),
+            ("[16, 3, 8]", r#"[16, 3, 8], "grading": [1, 2, 20]"#, "mesh.grading[2]", "20, whose first cell is", "at most 11.1"),
+        ],
     );
 }
 

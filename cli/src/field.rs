@@ -1,53 +1,39 @@
-//! Nodal fields on triangles: the strain norm and the contact forces, straight from the constant strain of each triangle.
+//! Nodal fields on triangles: the strain norm and the contact forces, straight from the strains at the points of
+//! integration of each triangle.
 
-use stickslip::fem::{Body, IsotropicForm};
+use std::ops::Index;
+use stickslip::fem::{Body, Element, IsotropicForm};
 use stickslip::mesh::Mesh;
 
 /// Vectors at all nodes of a mesh; the third component is zero in 2D.
 pub type NodalField = Vec<[f64; 3]>;
 
-/// Gradients of the three shape functions of a triangle, and its area.
-struct Triangle {
-    gradients: [[f64; 2]; 3],
-    area: f64,
-}
-
-impl Triangle {
-    fn new(mesh: &Mesh, cell: &[u32]) -> Triangle {
-        let p = |i: usize| mesh.nodes[cell[i] as usize];
-        let twice =
-            (p(1)[0] - p(0)[0]) * (p(2)[1] - p(0)[1]) - (p(2)[0] - p(0)[0]) * (p(1)[1] - p(0)[1]);
-        let gradient = |i: usize| {
-            let (a, b) = (p((i + 1) % 3), p((i + 2) % 3));
-            [(a[1] - b[1]) / twice, (b[0] - a[0]) / twice]
-        };
-        Triangle {
-            gradients: std::array::from_fn(gradient),
-            area: 0.5 * twice,
-        }
+/// Strain `[xx, yy, xy]` of a plane field where the shape functions of a cell have these gradients.
+fn strain(
+    gradients: &[impl Index<usize, Output = f64>],
+    cell: &[u32],
+    field: &[[f64; 3]],
+) -> [f64; 3] {
+    let mut strain = [0.0; 3];
+    for (g, &node) in gradients.iter().zip(cell) {
+        let u = field[node as usize];
+        strain[0] += g[0] * u[0];
+        strain[1] += g[1] * u[1];
+        strain[2] += 0.5 * (g[1] * u[0] + g[0] * u[1]);
     }
-
-    /// Strain of a field: `[xx, yy, xy]`.
-    fn strain(&self, cell: &[u32], field: &[[f64; 3]]) -> [f64; 3] {
-        let mut strain = [0.0; 3];
-        for (g, &node) in self.gradients.iter().zip(cell) {
-            let u = field[node as usize];
-            strain[0] += g[0] * u[0];
-            strain[1] += g[1] * u[1];
-            strain[2] += 0.5 * (g[1] * u[0] + g[0] * u[1]);
-        }
-        strain
-    }
+    strain
 }
 
 /// `|eps(u)|` in L2, the norm of V in the paper, of a plane field.
 pub fn strain_norm(mesh: &Mesh, field: &[[f64; 3]]) -> f64 {
-    let energy = |cell: &[u32]| {
-        let triangle = Triangle::new(mesh, cell);
-        let [xx, yy, xy] = triangle.strain(cell, field);
-        triangle.area * (xx * xx + yy * yy + 2.0 * xy * xy)
-    };
-    mesh.cells().map(energy).sum::<f64>().sqrt()
+    let mut sum = 0.0;
+    for cell in mesh.cells() {
+        for (weight, gradients) in Element::new(mesh, cell).points() {
+            let [xx, yy, xy] = strain(gradients, cell, field);
+            sum += weight * (xx * xx + yy * yy + 2.0 * xy * xy);
+        }
+    }
+    sum.sqrt()
 }
 
 /// Forces of the foundation on the body at the contact nodes, N: what balances the stress
@@ -62,18 +48,20 @@ pub fn contact_forces(body: &Body, displacement: &[[f64; 3]], velocity: &[[f64; 
         stress[2] += form.two_mu * strain[2];
     };
     for cell in mesh.cells() {
-        let triangle = Triangle::new(mesh, cell);
-        let mut stress = [0.0; 3];
-        add(
-            &mut stress,
-            body.elasticity,
-            triangle.strain(cell, displacement),
-        );
-        add(&mut stress, body.viscosity, triangle.strain(cell, velocity));
-        for (g, &node) in triangle.gradients.iter().zip(cell) {
-            let force = &mut forces[node as usize];
-            force[0] += triangle.area * (stress[0] * g[0] + stress[2] * g[1]);
-            force[1] += triangle.area * (stress[2] * g[0] + stress[1] * g[1]);
+        for (weight, gradients) in Element::new(mesh, cell).points() {
+            let mut stress = [0.0; 3];
+            let elastic = strain(gradients, cell, displacement);
+            add(&mut stress, body.elasticity, elastic);
+            add(
+                &mut stress,
+                body.viscosity,
+                strain(gradients, cell, velocity),
+            );
+            for (g, &node) in gradients.iter().zip(cell) {
+                let force = &mut forces[node as usize];
+                force[0] += weight * (stress[0] * g[0] + stress[2] * g[1]);
+                force[1] += weight * (stress[2] * g[0] + stress[1] * g[1]);
+            }
         }
     }
     body.contact
@@ -92,8 +80,15 @@ mod tests {
     /// The stress of the elements balances what the friction solver found, and the strain norm is `x A + y B`.
     #[test]
     fn forces_and_norm_agree_with_the_assembled_body() {
+        for element in ["p1", "p2"] {
+            agree(element);
+        }
+    }
+
+    fn agree(element: &str) {
         let mut overrides = example::sizes(8, 8);
         overrides.push(("fidelity.model", "full".to_owned()));
+        overrides.push(("element", element.to_owned()));
         let scene = example::scene(&overrides).unwrap();
         let run = example::finish(&scene).unwrap();
         let (body, state) = (&run.compilation.body, run.simulator.state());

@@ -1,6 +1,7 @@
 //! The command `stickslip`: runs, checks, draws and packs scenes.
 
 mod arguments;
+mod body_picture;
 mod check;
 mod closing;
 mod console;

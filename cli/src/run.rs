@@ -1,6 +1,7 @@
 //! `stickslip run`: steps a scene on its own signals and reports.
 
 use crate::arguments::RunOptions;
+use crate::body_picture;
 use crate::closing::Closing;
 use crate::console;
 use crate::contact_table::ContactTable;
@@ -61,6 +62,7 @@ pub fn run(options: &RunOptions) -> Result<(), Failure> {
     }
     if let Some(folder) = &options.plots {
         run_pictures::draw(folder, &scene, contact, &frames)?;
+        body_picture::draw(folder, &scene, &compilation, &simulator)?;
     }
     console::say(&closing.table(&compilation.model, &effort))
 }

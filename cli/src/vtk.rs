@@ -1,7 +1,7 @@
 //! The deformed body at every communication point, as legacy VTK files and a `.vtk.series` index.
 //!
 //! Point data in global axes: `displacement` (m), `velocity` (m/s), `tangential_stress` on the body (Pa; zero off the
-//! contact). Nodes stand where they were before the deformation, cells are triangles or tetrahedra.
+//! contact). Nodes stand where they were before the deformation, cells are triangles, quadratic triangles or tetrahedra.
 
 use crate::course::Frame;
 use crate::failure::Failure;
@@ -9,6 +9,7 @@ use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use stickslip::fem::Body;
+use stickslip::scene::ElementKind;
 use stickslip::{Compilation, Simulator};
 use vtkio::model::{
     Attribute, Attributes, ByteOrder, CellType, Cells, DataSet, UnstructuredGridPiece, Version,
@@ -107,13 +108,15 @@ impl Series {
 
 fn cells(body: &Body) -> Cells {
     let mesh = &body.mesh;
-    let corners = mesh.dimension as u32 + 1;
+    let count = mesh.nodes_per_cell() as u32;
     let vertices = mesh
         .cells()
-        .flat_map(|cell| [corners].into_iter().chain(cell.iter().copied()))
+        .flat_map(|cell| [count].into_iter().chain(cell.iter().copied()))
         .collect();
-    let kind = match mesh.dimension {
-        2 => CellType::Triangle,
+    // midside nodes have the order of VTK
+    let kind = match (mesh.dimension, mesh.element) {
+        (2, ElementKind::P1) => CellType::Triangle,
+        (2, ElementKind::P2) => CellType::QuadraticTriangle,
         _ => CellType::Tetra,
     };
     Cells {

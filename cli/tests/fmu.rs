@@ -79,6 +79,31 @@ fn the_library_given_is_packed_with_the_scene_as_changed() {
     }
 }
 
+/// The page draws every triangle of a quadratic mesh by its three corners, and a dot at every contact node.
+#[test]
+fn the_documentation_draws_a_quadratic_mesh() {
+    let shell = shell();
+    let base = ["fmu", "kazmi2014", "-o", "a.fmu", "--library", "pad.so"];
+    let set = ["--set", "element=p2", "--set", "mesh.cells=[8,4]"];
+    shell.succeed(&[&base[..], &set[..]].concat());
+    let page =
+        String::from_utf8(files(&shell, "a.fmu")["documentation/index.html"].clone()).unwrap();
+    let path = page
+        .split(" d=\"")
+        .nth(1)
+        .unwrap()
+        .split('"')
+        .next()
+        .unwrap();
+    let triangles: Vec<_> = path.split_terminator('Z').collect();
+    assert_eq!(triangles.len(), 128);
+    assert!(triangles.iter().all(|t| t.matches('L').count() == 2));
+    assert_eq!(page.matches("<circle").count(), 16);
+    assert!(
+        page.contains("128 cells, 281 nodes, 528 free displacement components; 16 contact nodes")
+    );
+}
+
 #[test]
 fn a_library_of_the_portable_build_is_called_so() {
     let printed = shell().succeed(&["fmu", "seal", "-o", "a.fmu", "--library", "portable/pad.so"]);

@@ -121,6 +121,13 @@ fn examples_stick_and_slip() {
             assert!(shell.has(&format!("p/{picture}.png")));
             assert!(shell.has(&format!("p/{picture}.svg")));
         }
+        // the deformed body is drawn in the plane
+        let folder = format!("p/{name}");
+        shell.succeed(&["run", name, "--until", "0.02", "--plots", &folder]);
+        assert_eq!(
+            shell.has(&format!("{folder}/body.png")),
+            name != "brake_pad_3d"
+        );
     }
     assert!(shell.has("p/plan.png"));
 }
@@ -144,6 +151,62 @@ fn vtk_files_are_indexed() {
         }
     }
     assert_eq!(files[5]["time"].as_f64(), Some(0.1));
+}
+
+/// A number of the binary VTK format, most significant byte first.
+fn integers(bytes: &[u8], after: &str, count: usize) -> Vec<i32> {
+    let found = bytes
+        .windows(after.len())
+        .position(|w| w == after.as_bytes());
+    let start = found.unwrap_or_else(|| panic!("{after}?"));
+    let line = bytes[start..].iter().position(|b| *b == b'\n').unwrap();
+    let numbers = bytes[start + line + 1..].chunks_exact(4).take(count);
+    numbers
+        .map(|b| i32::from_be_bytes([b[0], b[1], b[2], b[3]]))
+        .collect()
+}
+
+/// Quadratic triangles on a graded mesh: every node of the contact has its rows, and VTK its cells of six nodes.
+#[test]
+fn quadratic_elements_reach_tables_files_and_pictures() {
+    let shell = Shell::new();
+    let mut arguments = vec![
+        "run",
+        "kazmi2014",
+        "--csv",
+        "a.csv",
+        "--vtk",
+        "v",
+        "--plots",
+        "p",
+    ];
+    for set in ["element=p2", "mesh.cells=[8,4]", "mesh.grading=[2,2]"] {
+        arguments.extend(["--set", set]);
+    }
+    let table = shell.succeed(&arguments);
+    // 5 x 9 corners, 32 centres, 40 + 36 + 128 sides; 8 of the contact faces have two nodes each
+    for promised in [
+        "281 nodes, 128 cells",
+        "528 free (594 counted",
+        "contact nodes        16",
+    ] {
+        assert!(table.contains(promised), "{promised} is not in\n{table}");
+    }
+    let x = shell.table("a.csv").at(1.0, "x");
+    assert_eq!(x.len(), 16);
+    assert_eq!(x[..3], [1.0 / 64.0, 1.0 / 32.0, 5.0 / 64.0]);
+    assert!(shell.has("p/body.png") && shell.has("p/body.svg"));
+
+    let path = shell.folder.path().join("v/kazmi2014_00032.vtk");
+    let bytes = std::fs::read(path).unwrap();
+    // VTK_QUADRATIC_TRIANGLE
+    assert!(
+        integers(&bytes, "CELL_TYPES 128", 128)
+            .iter()
+            .all(|t| *t == 22)
+    );
+    let first = integers(&bytes, "CELLS 128 896", 7);
+    assert_eq!(first, [6, 0, 1, 45, 77, 78, 79]);
 }
 
 #[test]

@@ -63,12 +63,13 @@ impl Body {
         Body::assemble_on(scene, Mesh::generate(&scene.mesh)?)
     }
 
-    /// Assembles the body on a given mesh; the mesh of the scene is not looked at.
+    /// Assembles the body on a given mesh, which gets the element of the scene; the mesh of the scene is not looked at.
     ///
     /// # Errors
-    /// [`Error::Scene`] for a part the mesh does not have, a direction without length, a tangent normal to the contact or a
+    /// Those of [`Mesh::for_element`]; [`Error::Scene`] for a part the mesh does not have, a direction without length, a tangent normal to the contact or a
     /// probe outside the body; [`Error::Body`] for a cell without positive volume or a contact part that is clamped.
     pub fn assemble_on(scene: &Scene, mesh: Mesh) -> Result<Body> {
+        let mesh = mesh.for_element(scene.element)?;
         for (index, cell) in mesh.cells().enumerate() {
             let volume = Simplex::new(&mesh, cell).volume;
             if !(volume.is_finite() && volume > 0.0) {

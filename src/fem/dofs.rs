@@ -11,7 +11,7 @@
 //! The contact components come last, contact node by contact node, ordered along t1 and then t2: the trailing block of a
 //! Cholesky factor is then the operator condensed onto the contact.
 
-use super::element::{area_vector, lumped_mass, point};
+use super::element::{area_vector, face_integrals, point};
 use crate::error::{Error, Result};
 use crate::mesh::{Mesh, scene_error};
 use crate::scene::Scene;
@@ -71,8 +71,7 @@ impl DofMap {
         let mut is_contact = vec![false; count];
         for face in mesh.faces(&scene.contact.part, "contact.part")? {
             let area = area_vector(mesh, face);
-            let mass = lumped_mass(mesh, face);
-            for &node in face {
+            for (node, mass) in face_integrals(mesh, face) {
                 normal_sums[leader(node)] += area;
                 masses[leader(node)] += mass;
                 is_contact[leader(node)] = true;

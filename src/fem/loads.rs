@@ -1,10 +1,10 @@
 //! Load columns and probe rows: how the inputs enter the equations and how the displacement is read at a point.
 //!
 //! A load of intensity p(t) puts the force `p(t) * column` on the free components; its work-conjugate displacement is
-//! `column . u` (the mean displacement along the direction times `measure`). All integrals are exact for linear elements.
+//! `column . u` (the mean displacement along the direction times `measure`). All integrals are exact.
 
 use super::dofs::{DofMap, direction};
-use super::element::{Simplex, lumped_mass};
+use super::element::{Element, MOST_NODES, Simplex, face_integrals, shape_values};
 use crate::error::Result;
 use crate::mesh::{Mesh, scene_error};
 use crate::scene::{Interpolation, LoadKind, Scene};
@@ -54,16 +54,15 @@ pub(super) fn load_columns(scene: &Scene, mesh: &Mesh, dofs: &DofMap) -> Result<
                     return Err(scene_error(&path, "nothing".to_string(), allowed));
                 };
                 for face in mesh.faces(part, &path)? {
-                    let share = lumped_mass(mesh, face);
-                    for &node in face {
+                    for (node, share) in face_integrals(mesh, face) {
                         shares[node as usize] += share;
                     }
                 }
             }
             LoadKind::BodyForce => {
                 for cell in mesh.cells() {
-                    let share = Simplex::new(mesh, cell).volume / cell.len() as f64;
-                    for &node in cell {
+                    let element = Element::new(mesh, cell);
+                    for (&node, share) in cell.iter().zip(element.integrals()) {
                         shares[node as usize] += share;
                     }
                 }
@@ -124,18 +123,20 @@ pub(super) fn probe_rows(scene: &Scene, mesh: &Mesh, dofs: &DofMap) -> Result<Ve
 }
 
 /// The first cell that contains a point, and the values of its shape functions there.
-fn locate(mesh: &Mesh, at: [f64; 3]) -> Option<(usize, [f64; 4])> {
+fn locate(mesh: &Mesh, at: [f64; 3]) -> Option<(usize, [f64; MOST_NODES])> {
     // Points on the boundary may lie outside by rounding; relative to the size of the cell.
     const OUTSIDE: f64 = 1e-9;
-    // Below this a shape function is zero: a probe at a node reads that node alone.
+    // Below this a barycentric coordinate is zero: a probe at a node reads that node alone.
     const NEGLIGIBLE: f64 = 1e-12;
     mesh.cells().enumerate().find_map(|(c, cell)| {
-        let values = Simplex::new(mesh, cell).barycentric(mesh, cell, at);
+        let coordinates = Simplex::new(mesh, cell).barycentric(mesh, cell, at);
         // Written so that a coordinate that is not a number lies nowhere.
-        let is_inside = values[..cell.len()].iter().all(|&value| value >= -OUTSIDE);
+        let is_inside = coordinates[..=mesh.dimension]
+            .iter()
+            .all(|&value| value >= -OUTSIDE);
         is_inside.then(|| {
-            let kept = values.map(|value| if value.abs() < NEGLIGIBLE { 0.0 } else { value });
-            (c, kept)
+            let kept = coordinates.map(|value| if value.abs() < NEGLIGIBLE { 0.0 } else { value });
+            (c, shape_values(cell.len(), kept))
         })
     })
 }

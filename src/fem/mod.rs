@@ -1,4 +1,4 @@
-//! Linear finite elements for the Kelvin-Voigt body of (5.13)-(5.14): small strains, constant coefficients.
+//! Finite elements for the Kelvin-Voigt body of (5.13)-(5.14): small strains, constant coefficients.
 //!
 //! From a scene and a mesh to what the numerics need: the two symmetric matrices A (viscosity) and B (elasticity) on the
 //! free displacements, the contact nodes with their frames and weights, one column per load and one row per probe output.
@@ -12,6 +12,6 @@ mod operators;
 
 pub use body::{Body, ContactPatch};
 pub use dofs::DofMap;
-pub use element::{IsotropicForm, Simplex};
+pub use element::{Element, IsotropicForm, Simplex};
 pub use loads::{LoadColumn, ProbeRows};
 pub use operators::OperatorPair;

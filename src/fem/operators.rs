@@ -5,8 +5,9 @@
 //! (decoupled components) keeps its place, so that `c A + d B` has the same pattern, and one symbolic factorization, for all c, d.
 
 use super::dofs::DofMap;
-use super::element::{IsotropicForm, Simplex};
+use super::element::{Element, IsotropicForm};
 use crate::mesh::Mesh;
+use crate::scene::ElementKind;
 use nalgebra::Matrix3;
 
 /// A and B, `n x n`: lower triangles in compressed columns on one pattern.
@@ -44,8 +45,13 @@ impl OperatorPair {
     ) -> OperatorPair {
         let (start, around) = cells_around(mesh);
         let n = dofs.len();
-        // Rows per node column: about 7 neighbours in the plane, 15 in space; half of them below the diagonal.
-        let estimate = n * if mesh.dimension == 2 { 8 } else { 24 };
+        // Rows per node column: about 7 neighbours in the plane, 15 in space, 12 of quadratic triangles; half of them
+        // below the diagonal.
+        let estimate = n * match (mesh.dimension, mesh.element) {
+            (2, ElementKind::P1) => 8,
+            (2, ElementKind::P2) => 13,
+            _ => 24,
+        };
         let mut pair = OperatorPair {
             n,
             col_ptr: Vec::with_capacity(n + 1),
@@ -64,7 +70,7 @@ impl OperatorPair {
             let range = start[column as usize]..start[column as usize + 1];
             for &(cell, local) in &around[range] {
                 let nodes = mesh.cell(cell as usize);
-                let simplex = Simplex::new(mesh, nodes);
+                let element = Element::new(mesh, nodes);
                 for (i, &node) in nodes.iter().enumerate() {
                     let node = mesh.leader[node as usize];
                     let rows = dofs.range(node);
@@ -82,7 +88,7 @@ impl OperatorPair {
                         });
                     }
                     let sum = &mut couplings[*slot as usize].blocks;
-                    let [block_a, block_b] = simplex.blocks(i, local as usize, [a, b]);
+                    let [block_a, block_b] = element.blocks(i, local as usize, [a, b]);
                     sum[0] += block_a;
                     sum[1] += block_b;
                 }

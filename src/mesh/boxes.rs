@@ -10,25 +10,25 @@
 //! Nodes: layer by layer from z = 0, inside a layer as in the plane.
 
 use super::Mesh;
+use super::lines::Lines;
 use super::rectangle::{CrissCross, side_names};
-use crate::scene::Axis;
+use crate::scene::{Axis, ElementKind};
 use std::collections::BTreeMap;
 
 const BACK: u8 = 16;
 const FRONT: u8 = 32;
 
-/// Generates the mesh of `MeshSpec::Box`; the arguments have been checked.
-pub(super) fn generate(size: [f64; 3], cells: [u32; 3], periodic: &[Axis]) -> Mesh {
-    let plane = CrissCross::new([size[0], size[1]], [cells[0], cells[1]], periodic);
+/// Generates the mesh of `MeshSpec::Box` from the lines of its axes; the counts have been checked.
+pub(super) fn generate([x, y, z]: &[Lines; 3], periodic: &[Axis]) -> Mesh {
+    let plane = CrissCross::new(x, y, periodic);
     let per_layer = plane.nodes.len() as u32;
-    let nz = cells[2];
+    let nz = z.cells();
     let is_periodic_z = periodic.contains(&Axis::Z);
 
     let mut nodes = Vec::with_capacity(plane.nodes.len() * (nz as usize + 1));
     let mut sides = Vec::with_capacity(nodes.capacity());
     let mut leader = Vec::with_capacity(nodes.capacity());
-    for layer in 0..=nz {
-        let z = size[2] * f64::from(layer) / f64::from(nz);
+    for (layer, &z) in (0..=nz).zip(&z.at) {
         let first = if layer == nz && is_periodic_z {
             0
         } else {
@@ -62,6 +62,7 @@ pub(super) fn generate(size: [f64; 3], cells: [u32; 3], periodic: &[Axis]) -> Me
 
     let mut mesh = Mesh {
         dimension: 3,
+        element: ElementKind::P1,
         nodes,
         cell_nodes,
         parts: BTreeMap::new(),
@@ -98,6 +99,11 @@ fn ordered(triangle: [u32; 3]) -> ([u32; 3], bool) {
 mod tests {
     use super::*;
     use std::collections::HashMap;
+
+    fn graded(size: [f64; 3], cells: [u32; 3], exponents: [f64; 3], periodic: &[Axis]) -> Mesh {
+        let axes = std::array::from_fn(|i| Lines::new(size[i], cells[i], exponents[i]));
+        generate(&axes, periodic)
+    }
 
     fn volume(mesh: &Mesh, cell: &[u32]) -> f64 {
         let p = |i: usize| mesh.nodes[cell[i] as usize];
@@ -148,7 +154,9 @@ mod tests {
                 vec![X, Y],
                 vec![X, Y, Z],
             ] {
-                let mesh = generate(size, cells, &periodic);
+                let axes = [Axis::X, Axis::Y, Axis::Z];
+                let exponents = axes.map(|a| if periodic.contains(&a) { 1.0 } else { 1.7 });
+                let mesh = graded(size, cells, exponents, &periodic);
                 let total: f64 = mesh.cells().map(|c| volume(&mesh, c)).sum();
                 assert!(mesh.cells().all(|c| volume(&mesh, c) > 0.0));
                 assert!((total - 0.375).abs() < 1e-14);
@@ -177,7 +185,7 @@ mod tests {
 
     #[test]
     fn areas_of_the_parts() {
-        let mesh = generate([1.0, 0.75, 0.5], [2, 3, 2], &[]);
+        let mesh = graded([1.0, 0.75, 0.5], [2, 3, 2], [1.0; 3], &[]);
         for (part, expected) in [
             ("left", [-0.375, 0.0, 0.0]),
             ("right", [0.375, 0.0, 0.0]),

@@ -2,13 +2,18 @@
 //!
 //! A mesh is plain data: coordinates, cells (triangles or tetrahedra) and the oriented faces of each named part.
 //! Periodicity is kept as a map from every node to the node it follows; the finite element layer gives both the same
-//! unknowns, so that a tie costs no equation. What is not here: adjacency, refinement, curved cells.
+//! unknowns, so that a tie costs no equation. Quadratic triangles have straight sides: their midside nodes stand in the
+//! middle. What is not here: adjacency, adaptivity, curved cells.
 
+mod bisection;
 mod boxes;
+mod lines;
+mod midside;
 mod rectangle;
 
 use crate::error::{Error, Result};
-use crate::scene::{Axis, MeshSpec};
+use crate::scene::{Axis, ElementKind, MeshSpec};
+use lines::Lines;
 use std::collections::BTreeMap;
 
 /// A conforming mesh of triangles (2D) or tetrahedra (3D).
@@ -16,57 +21,66 @@ use std::collections::BTreeMap;
 pub struct Mesh {
     /// Space dimension, 2 or 3.
     pub dimension: usize,
+    /// Element of all cells; [`Mesh::for_element`] changes it.
+    pub element: ElementKind,
     /// Coordinates of the nodes, m; z = 0 in 2D.
     pub nodes: Vec<[f64; 3]>,
-    /// Node numbers of the cells, `dimension + 1` per cell, positively oriented (positive area or volume).
+    /// Node numbers of the cells, [`Mesh::nodes_per_cell`] each: `dimension + 1` corners, positively oriented (positive
+    /// area or volume); in a quadratic triangle the midside nodes of its sides (0, 1), (1, 2), (2, 0) follow.
     pub cell_nodes: Vec<u32>,
-    /// Faces of every named part of the boundary, `dimension` node numbers per face. The outward normal of an edge
-    /// `(p, q)` is to the right of `q - p`; that of a triangle `(p, q, r)` is along `(q - p) x (r - p)`.
+    /// Faces of every named part of the boundary, [`Mesh::nodes_per_face`] node numbers each: `dimension` corners, then
+    /// the midside node of a quadratic element. The outward normal of an edge `(p, q)` is to the right of `q - p`; that
+    /// of a triangle `(p, q, r)` is along `(q - p) x (r - p)`.
     pub parts: BTreeMap<String, Vec<u32>>,
     /// Node that each node follows (periodicity); itself otherwise. A leader never follows another node.
     pub leader: Vec<u32>,
 }
 
 impl Mesh {
-    /// Generates the mesh that a scene describes.
+    /// Generates the mesh that a scene describes, with linear elements.
     ///
     /// # Errors
-    /// [`Error::Scene`] for a size, a number of cells or a periodic axis that gives no mesh.
+    /// [`Error::Scene`] for a size, a number of cells, a grading or a periodic axis that gives no mesh.
     pub fn generate(spec: &MeshSpec) -> Result<Mesh> {
+        check(spec)?;
         match spec {
             MeshSpec::Rectangle {
-                size,
-                cells,
-                periodic,
-            } => {
-                check(size, cells, periodic)?;
-                Ok(rectangle::generate(*size, *cells, periodic))
-            }
-            MeshSpec::Box {
-                size,
-                cells,
-                periodic,
-            } => {
-                check(size, cells, periodic)?;
-                Ok(boxes::generate(*size, *cells, periodic))
-            }
+                periodic, refine, ..
+            } => rectangle::generate(&lines(spec), periodic, refine),
+            MeshSpec::Box { periodic, .. } => Ok(boxes::generate(&lines(spec), periodic)),
+        }
+    }
+
+    /// Nodes of a cell: `dimension + 1`, or 6 for the quadratic triangle.
+    pub fn nodes_per_cell(&self) -> usize {
+        match self.element {
+            ElementKind::P1 => self.dimension + 1,
+            ElementKind::P2 => 6,
+        }
+    }
+
+    /// Nodes of a face of a part: `dimension`, or 3 for the side of a quadratic triangle.
+    pub fn nodes_per_face(&self) -> usize {
+        match self.element {
+            ElementKind::P1 => self.dimension,
+            ElementKind::P2 => 3,
         }
     }
 
     /// Node numbers of each cell.
     pub fn cells(&self) -> impl Iterator<Item = &[u32]> {
-        self.cell_nodes.chunks_exact(self.dimension + 1)
+        self.cell_nodes.chunks_exact(self.nodes_per_cell())
     }
 
     /// Node numbers of cell `cell`.
     pub fn cell(&self, cell: usize) -> &[u32] {
-        let n = self.dimension + 1;
+        let n = self.nodes_per_cell();
         &self.cell_nodes[cell * n..(cell + 1) * n]
     }
 
     /// Number of cells.
     pub fn cell_count(&self) -> usize {
-        self.cell_nodes.len() / (self.dimension + 1)
+        self.cell_nodes.len() / self.nodes_per_cell()
     }
 
     /// Node numbers of each face of a part.
@@ -75,7 +89,7 @@ impl Mesh {
     /// [`Error::Scene`] when the mesh has no such part; `path` is the place of the scene that names it.
     pub fn faces(&self, part: &str, path: &str) -> Result<impl Iterator<Item = &[u32]> + Clone> {
         match self.parts.get(part) {
-            Some(faces) => Ok(faces.chunks_exact(self.dimension)),
+            Some(faces) => Ok(faces.chunks_exact(self.nodes_per_face())),
             None => Err(scene_error(
                 path,
                 format!("\"{part}\""),
@@ -117,8 +131,8 @@ impl Mesh {
     }
 }
 
-/// Faces of a positively oriented triangle, outward normal to the right.
-const TRIANGLE_FACES: [&[usize]; 3] = [&[0, 1], &[1, 2], &[2, 0]];
+/// Faces of a positively oriented triangle, outward normal to the right; midside nodes have this order.
+pub(crate) const TRIANGLE_FACES: [&[usize]; 3] = [&[0, 1], &[1, 2], &[2, 0]];
 
 /// Faces of a positively oriented tetrahedron, outward normal by the right-hand rule.
 const TETRAHEDRON_FACES: [&[usize]; 4] = [&[0, 2, 1], &[0, 1, 3], &[0, 3, 2], &[1, 2, 3]];
@@ -133,8 +147,14 @@ pub(crate) fn scene_error(path: &str, found: String, allowed: String) -> Error {
     }
 }
 
+/// The grid lines of every axis.
+fn lines<const N: usize>(spec: &MeshSpec) -> [Lines; N] {
+    std::array::from_fn(|i| Lines::new(spec.size()[i], spec.cells()[i], spec.grading()[i]))
+}
+
 /// Checks what would otherwise give an empty, inverted or unnumberable mesh.
-fn check(size: &[f64], cells: &[u32], periodic: &[Axis]) -> Result<()> {
+fn check(spec: &MeshSpec) -> Result<()> {
+    let (size, cells, periodic) = (spec.size(), spec.cells(), spec.periodic());
     for (i, &length) in size.iter().enumerate() {
         if !(length.is_finite() && length > 0.0) {
             return Err(scene_error(
@@ -163,6 +183,15 @@ fn check(size: &[f64], cells: &[u32], periodic: &[Axis]) -> Result<()> {
             "a mesh whose nodes and cells can be numbered with 32 bits".to_string(),
         ));
     }
+    for axis in [Axis::X, Axis::Y, Axis::Z] {
+        if let Some((found, allowed)) = spec.grading_fault(axis) {
+            let path = format!("mesh.grading[{}]", axis.index());
+            return Err(scene_error(&path, found, allowed));
+        }
+    }
+    if let Some((path, found, allowed)) = spec.refinement_fault() {
+        return Err(scene_error(&path, found, allowed));
+    }
     if size.len() == 2 && periodic.contains(&Axis::Z) {
         return Err(scene_error(
             "mesh.periodic",
@@ -179,11 +208,14 @@ mod tests {
 
     #[test]
     fn unusable_specifications_name_their_path() {
-        let rectangle = |size, cells, periodic| MeshSpec::Rectangle {
+        let graded = |size, cells, grading, periodic| MeshSpec::Rectangle {
             size,
             cells,
+            grading,
+            refine: vec![],
             periodic,
         };
+        let rectangle = |size, cells, periodic| graded(size, cells, [1.0; 2], periodic);
         for (spec, expected) in [
             (rectangle([1.0, 0.0], [1, 1], vec![]), "mesh.size[1]"),
             (rectangle([f64::NAN, 1.0], [1, 1], vec![]), "mesh.size[0]"),
@@ -192,6 +224,22 @@ mod tests {
             (
                 rectangle([1.0, 1.0], [1, 1], vec![Axis::Z]),
                 "mesh.periodic",
+            ),
+            (
+                graded([1.0, 1.0], [4, 4], [2.0, 0.5], vec![]),
+                "mesh.grading[1]",
+            ),
+            (
+                graded([1.0, 1.0], [4, 4], [f64::NAN, 1.0], vec![]),
+                "mesh.grading[0]",
+            ),
+            (
+                graded([1.0, 1.0], [4, 4], [2.0, 2.0], vec![Axis::X]),
+                "mesh.grading[0]",
+            ),
+            (
+                graded([1.0, 1.0], [4, 4], [1.0, 30.0], vec![]),
+                "mesh.grading[1]",
             ),
         ] {
             match Mesh::generate(&spec) {
@@ -203,7 +251,7 @@ mod tests {
 
     #[test]
     fn an_unknown_part_lists_the_parts() {
-        let mesh = rectangle::generate([1.0, 1.0], [1, 1], &[Axis::X]);
+        let mesh = rectangle::uniform([1.0, 1.0], [1, 1], &[Axis::X]);
         let Err(Error::Scene { path, allowed, .. }) = mesh.faces("left", "contact.part").map(drop)
         else {
             panic!("a periodic axis has no parts");

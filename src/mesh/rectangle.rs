@@ -2,8 +2,10 @@
 //!
 //! Nodes: the corners of the cells row by row (x fastest), then the centres of the cells row by row.
 
-use super::Mesh;
-use crate::scene::Axis;
+use super::lines::Lines;
+use super::{Mesh, bisection};
+use crate::error::Result;
+use crate::scene::{Axis, ElementKind, Refinement};
 use std::collections::BTreeMap;
 
 /// Bits of the sides in the order left, right, bottom, top.
@@ -26,7 +28,7 @@ pub(super) fn side_names(periodic: &[Axis]) -> [Option<&'static str>; 4] {
 /// The criss-cross in the plane, before the sides are named: also the base of the extruded box.
 pub(super) struct CrissCross {
     pub nodes: Vec<[f64; 3]>,
-    /// Triangles, counter-clockwise.
+    /// Triangles, counter-clockwise; the first two nodes are a side of the grid.
     pub triangles: Vec<[u32; 3]>,
     /// Sides on which each node lies (bits).
     pub sides: Vec<u8>,
@@ -35,15 +37,12 @@ pub(super) struct CrissCross {
 }
 
 impl CrissCross {
-    /// Sizes are positive and the counts fit 32 bits: checked by [`Mesh::generate`].
-    pub fn new(size: [f64; 2], cells: [u32; 2], periodic: &[Axis]) -> CrissCross {
-        let [nx, ny] = cells;
+    /// The counts fit 32 bits: checked by [`Mesh::generate`].
+    pub fn new(x: &Lines, y: &Lines, periodic: &[Axis]) -> CrissCross {
+        let (nx, ny) = (x.cells(), y.cells());
         let corner = |i: u32, j: u32| j * (nx + 1) + i;
         let corners = (nx + 1) * (ny + 1);
         let centre = |i: u32, j: u32| corners + j * nx + i;
-        // One product and one quotient per coordinate: the last node lies exactly at the given size.
-        let at = |i: f64, n: u32, length: f64| length * i / f64::from(n);
-
         let count = (corners + nx * ny) as usize;
         let mut mesh = CrissCross {
             nodes: Vec::with_capacity(count),
@@ -53,11 +52,7 @@ impl CrissCross {
         };
         for j in 0..=ny {
             for i in 0..=nx {
-                mesh.nodes.push([
-                    at(f64::from(i), nx, size[0]),
-                    at(f64::from(j), ny, size[1]),
-                    0.0,
-                ]);
+                mesh.nodes.push([x.at[i as usize], y.at[j as usize], 0.0]);
                 let bit = |is_there: bool, side: u8| if is_there { side } else { 0 };
                 mesh.sides.push(
                     bit(i == 0, LEFT)
@@ -80,11 +75,8 @@ impl CrissCross {
         }
         for j in 0..ny {
             for i in 0..nx {
-                mesh.nodes.push([
-                    at(f64::from(i) + 0.5, nx, size[0]),
-                    at(f64::from(j) + 0.5, ny, size[1]),
-                    0.0,
-                ]);
+                let (x, y) = (x.middles[i as usize], y.middles[j as usize]);
+                mesh.nodes.push([x, y, 0.0]);
                 mesh.sides.push(0);
                 let c = centre(i, j);
                 mesh.leader.push(c);
@@ -103,18 +95,34 @@ impl CrissCross {
     }
 }
 
-/// Generates the mesh of `MeshSpec::Rectangle`; the arguments have been checked.
-pub(super) fn generate(size: [f64; 2], cells: [u32; 2], periodic: &[Axis]) -> Mesh {
-    let plane = CrissCross::new(size, cells, periodic);
+/// Generates the mesh of `MeshSpec::Rectangle` from the lines of its axes.
+///
+/// # Errors
+/// Those of [`bisection::refine`].
+pub(super) fn generate(
+    axes: &[Lines; 2],
+    periodic: &[Axis],
+    refinements: &[Refinement],
+) -> Result<Mesh> {
+    let mut plane = CrissCross::new(&axes[0], &axes[1], periodic);
+    bisection::refine(&mut plane, refinements)?;
     let mut mesh = Mesh {
         dimension: 2,
+        element: ElementKind::P1,
         nodes: plane.nodes,
         cell_nodes: plane.triangles.into_iter().flatten().collect(),
         parts: BTreeMap::new(),
         leader: plane.leader,
     };
     mesh.name_sides(&plane.sides, &side_names(periodic));
-    mesh
+    Ok(mesh)
+}
+
+/// An ungraded rectangle.
+#[cfg(test)]
+pub(super) fn uniform(size: [f64; 2], cells: [u32; 2], periodic: &[Axis]) -> Mesh {
+    let axis = |i: usize| Lines::new(size[i], cells[i], 1.0);
+    generate(&[axis(0), axis(1)], periodic, &[]).expect("nothing to refine")
 }
 
 #[cfg(test)]
@@ -126,7 +134,7 @@ mod tests {
         // Kazmi et al. 2014, Section 7: 2 dofs per node and 2 per contact face.
         for (m, triangles, nodes, dofs) in [(32, 2048, 1073, 2210), (256, 131_072, 65_921, 132_354)]
         {
-            let mesh = generate([1.0, 0.5], [m, m / 2], &[]);
+            let mesh = uniform([1.0, 0.5], [m, m / 2], &[]);
             assert_eq!(mesh.cell_count(), triangles);
             assert_eq!(mesh.nodes.len(), nodes);
             let faces = mesh.parts["bottom"].len() / 2;
@@ -136,7 +144,7 @@ mod tests {
 
     #[test]
     fn faces_point_outward_and_close_the_boundary() {
-        let mesh = generate([2.0, 1.0], [4, 3], &[]);
+        let mesh = uniform([2.0, 1.0], [4, 3], &[]);
         let normals = [
             ("left", [-1.0, 0.0], 1.0),
             ("right", [1.0, 0.0], 1.0),
@@ -158,7 +166,7 @@ mod tests {
 
     #[test]
     fn periodic_nodes_follow_the_opposite_side() {
-        let mesh = generate([2.0, 1.0], [3, 2], &[Axis::X, Axis::Y]);
+        let mesh = uniform([2.0, 1.0], [3, 2], &[Axis::X, Axis::Y]);
         assert!(mesh.parts.is_empty());
         for (node, &leader) in mesh.leader.iter().enumerate() {
             assert_eq!(mesh.leader[leader as usize], leader);

@@ -74,7 +74,8 @@ pub struct Summary {
     pub mesh_nodes: usize,
     /// Cells of the mesh.
     pub mesh_cells: usize,
-    /// Displacement components at nodes plus as many multipliers per contact face, the count of Kazmi et al. 2014.
+    /// Displacement components at nodes plus as many multipliers per contact face (twice as many for its two nodes of a
+    /// quadratic element), the count of Kazmi et al. 2014.
     pub dofs_with_multipliers: usize,
     /// Free displacement components.
     pub free_dofs: usize,

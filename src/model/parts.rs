@@ -8,7 +8,7 @@ use crate::friction::Law;
 use crate::friction::fixed_point::FixedPoint;
 use crate::ports::{Ports, Shapes};
 use crate::qvi::{Certificate, Tableau};
-use crate::scene::{FrictionSolver, LoadKind, ModelKind, Run, Scene};
+use crate::scene::{ElementKind, FrictionSolver, LoadKind, ModelKind, Run, Scene};
 
 /// The compiled numbers of a scene.
 pub(super) struct Parts {
@@ -73,12 +73,17 @@ impl Model {
 }
 
 fn summary(scene: &Scene, parts: &Parts) -> Summary {
+    // the first node of a contact is not counted, as at the clamped end of the paper's example
+    let multipliers = match scene.element {
+        ElementKind::P1 => parts.contact.faces,
+        ElementKind::P2 => 2 * parts.contact.faces,
+    };
     Summary {
         name: scene.name.clone(),
         dimension: parts.dimension,
         mesh_nodes: parts.mesh_nodes,
         mesh_cells: parts.mesh_cells,
-        dofs_with_multipliers: parts.dimension * (parts.mesh_nodes + parts.contact.faces),
+        dofs_with_multipliers: parts.dimension * (parts.mesh_nodes + multipliers),
         free_dofs: parts.free_dofs,
         kind: parts.kind,
         reduction: parts.reduction.clone(),

@@ -1,6 +1,7 @@
 //! Sizes, axes and named parts of the generated meshes, as far as the scene alone determines them.
 
-use super::types::{Axis, MeshSpec};
+use super::types::{Axis, ElementKind, MeshSpec, Refinement};
+use super::validate::MAX_NODES;
 
 /// Parts of the generated meshes with the axis they are normal to; the lower side of each axis comes first.
 const SIDES: [(&str, Axis); 6] = [
@@ -11,6 +12,9 @@ const SIDES: [(&str, Axis); 6] = [
     ("back", Axis::Z),
     ("front", Axis::Z),
 ];
+
+/// Share of the length of the body below which cells would be lost among the tolerances of points and matrices.
+const THINNEST: f64 = 1e-7;
 
 impl MeshSpec {
     /// Space dimension, 2 or 3.
@@ -32,6 +36,96 @@ impl MeshSpec {
             MeshSpec::Rectangle { cells, .. } => cells,
             MeshSpec::Box { cells, .. } => cells,
         }
+    }
+
+    /// Exponents of the grading along the axes; 1 is uniform.
+    pub fn grading(&self) -> &[f64] {
+        match self {
+            MeshSpec::Rectangle { grading, .. } => grading,
+            MeshSpec::Box { grading, .. } => grading,
+        }
+    }
+
+    /// What is wrong with the grading along an axis and what would be right; `None` for a usable one.
+    pub(crate) fn grading_fault(&self, axis: Axis) -> Option<(String, String)> {
+        let i = axis.index();
+        let (&exponent, &cells) = (self.grading().get(i)?, self.cells().get(i)?);
+        if !(exponent.is_finite() && exponent >= 1.0) {
+            return Some((exponent.to_string(), "a finite number >= 1".to_owned()));
+        }
+        if exponent == 1.0 {
+            return None;
+        }
+        if self.periodic().contains(&axis) {
+            let allowed = "1 along an axis of mesh.periodic: its ends are no boundary".to_owned();
+            return Some((exponent.to_string(), allowed));
+        }
+        let first = 0.5 * (2.0 / f64::from(cells)).powf(exponent);
+        (cells > 2 && first < THINNEST).then(|| {
+            let most = (0.5 / THINNEST).ln() / (0.5 * f64::from(cells)).ln();
+            (
+                format!("{exponent}, whose first cell is {first:e} of the length"),
+                format!("at most {most:.3} with {cells} cells"),
+            )
+        })
+    }
+
+    /// Places where the triangles are bisected; none in 3D.
+    pub fn refinements(&self) -> &[Refinement] {
+        match self {
+            MeshSpec::Rectangle { refine, .. } => refine,
+            MeshSpec::Box { .. } => &[],
+        }
+    }
+
+    /// Where, what and why not for the first refinement that cannot be: a key, what was found and what is allowed.
+    pub(crate) fn refinement_fault(&self) -> Option<(String, String, String)> {
+        let smallest = THINNEST * self.size().iter().copied().fold(0.0, f64::max);
+        for (i, refinement) in self.refinements().iter().enumerate() {
+            let Refinement { from, size, .. } = refinement;
+            let fault = |key: &str, found: f64, allowed: String| {
+                Some((
+                    format!("mesh.refine[{i}].{key}"),
+                    format!("{found:?}"),
+                    allowed,
+                ))
+            };
+            let to = refinement.upper();
+            for (axis, length) in self.size().iter().enumerate() {
+                // written so that a number that is none is refused
+                if !(0.0..=*length).contains(&from[axis]) {
+                    let allowed = format!("0 to {length}, inside the body");
+                    return fault(&format!("from[{axis}]"), from[axis], allowed);
+                }
+                if !(from[axis]..=*length).contains(&to[axis]) {
+                    let allowed = format!("{} (mesh.refine[{i}].from) to {length}", from[axis]);
+                    return fault(&format!("to[{axis}]"), to[axis], allowed);
+                }
+            }
+            if !(size.is_finite() && *size >= smallest) {
+                return fault(
+                    "size",
+                    *size,
+                    format!("a finite length of at least {smallest:e}"),
+                );
+            }
+            // right triangles with this longest side, two for each node
+            let nodes = 2.0 * (to[0] - from[0]) * (to[1] - from[1]) / (size * size);
+            if nodes > f64::from(MAX_NODES) {
+                let least = size * (nodes / f64::from(MAX_NODES)).sqrt();
+                let allowed = format!("at least {least:e}, for {MAX_NODES} nodes in this box");
+                return fault("size", *size, allowed);
+            }
+        }
+        (!self.refinements().is_empty() && !self.periodic().is_empty()).then(|| {
+            let allowed =
+                "no refinement of a periodic mesh: its tied sides must stay alike".to_owned();
+            (
+                "mesh.refine".to_owned(),
+                "places with mesh.periodic".to_owned(),
+                allowed,
+            )
+        })
     }
 
     /// Axes along which the body is periodic.
@@ -60,15 +154,43 @@ impl MeshSpec {
             .filter(|axis| axis.index() < self.dimension() && !self.periodic().contains(axis))
     }
 
-    /// Number of mesh nodes, those joined by periodicity counted twice: the corners of the cells and, in every layer,
-    /// the centres of the x-y cells.
-    pub fn node_bound(&self) -> u128 {
+    /// Number of mesh nodes before refinement, those joined by periodicity counted twice: the corners of the cells, in every layer the
+    /// centres of the x-y cells, and for quadratic elements the middles of all edges.
+    pub fn node_bound(&self, element: ElementKind) -> u128 {
         let n: Vec<u128> = self.cells().iter().map(|&n| u128::from(n)).collect();
         let layer = |x: u128, y: u128| (x + 1) * (y + 1) + x * y;
-        match *n.as_slice() {
-            [x, y] => layer(x, y),
-            [x, y, z] => layer(x, y) * (z + 1),
+        match (n.as_slice(), element) {
+            (&[x, y], ElementKind::P1) => layer(x, y),
+            (&[x, y], ElementKind::P2) => layer(x, y) + x * (y + 1) + (x + 1) * y + 4 * x * y,
+            (&[x, y, z], _) => layer(x, y) * (z + 1),
             _ => 0,
+        }
+    }
+}
+
+impl Refinement {
+    /// The corner of the box with the larger coordinates, m.
+    pub fn upper(&self) -> [f64; 2] {
+        self.to.unwrap_or(self.from)
+    }
+}
+
+impl ElementKind {
+    /// Why cells of this dimension cannot have the element, and what they can have; `None` where they can.
+    pub(crate) fn fault(self, dimension: usize) -> Option<(String, String)> {
+        (self == ElementKind::P2 && dimension != 2).then(|| {
+            let found = format!("\"p2\" in {dimension} dimensions");
+            let allowed = "\"p1\", with mesh.grading for accuracy: the lumped contact weights of a quadratic \
+                           triangle vanish at its vertices, so that friction would not act there";
+            (found, allowed.to_owned())
+        })
+    }
+
+    /// Nodes along an edge that is cut into this many cells.
+    pub(crate) fn nodes_along(self, cells: u32) -> u64 {
+        match self {
+            ElementKind::P1 => u64::from(cells) + 1,
+            ElementKind::P2 => 2 * u64::from(cells) + 1,
         }
     }
 }
@@ -92,6 +214,7 @@ mod tests {
         MeshSpec::Box {
             size: [1.0, 2.0, 3.0],
             cells: [2, 3, 4],
+            grading: [1.0; 3],
             periodic,
         }
     }
@@ -106,13 +229,19 @@ mod tests {
 
     #[test]
     fn nodes_are_corners_and_centres() {
-        assert_eq!(box_mesh(vec![]).node_bound(), (3 * 4 + 2 * 3) * 5);
+        assert_eq!(
+            box_mesh(vec![]).node_bound(ElementKind::P1),
+            (3 * 4 + 2 * 3) * 5
+        );
         let square = MeshSpec::Rectangle {
             size: [1.0, 1.0],
             cells: [1, 1],
+            grading: [1.0; 2],
+            refine: vec![],
             periodic: vec![],
         };
-        assert_eq!(square.node_bound(), 5);
+        assert_eq!(square.node_bound(ElementKind::P1), 5);
+        assert_eq!(square.node_bound(ElementKind::P2), 13);
         assert_eq!(square.parts(), ["left", "right", "bottom", "top"]);
     }
 }

@@ -161,7 +161,7 @@ impl Structure {
         Refusal::new(path, shown(value), self.describe(schema))
     }
 
-    /// What a schema allows, in words; the description of a number or a name carries its unit or meaning.
+    /// What a schema allows, in words; the first sentence of its description carries the unit or meaning.
     fn describe(&self, place: &Value) -> String {
         let schema = self.resolve(place);
         if let Some(only) = schema.get("const") {
@@ -208,7 +208,8 @@ impl Structure {
         match place.get("description").and_then(Value::as_str) {
             Some(meaning) => {
                 let meaning = meaning.split_whitespace().collect::<Vec<_>>().join(" ");
-                format!("{text} ({})", meaning.trim_end_matches('.'))
+                let sentence = meaning.split(". ").next().unwrap_or_default();
+                format!("{text} ({})", sentence.trim_end_matches('.'))
             }
             None => text,
         }

@@ -16,7 +16,7 @@ const RESERVED: [&str; 4] = ["contact", "energy", "solver", "time"];
 
 /// Refuses the first violated rule.
 pub(super) fn check(scene: &Scene) -> Verdict {
-    check_mesh(&scene.mesh)?;
+    check_mesh(scene)?;
     check_material(scene)?;
     check_clamped(scene)?;
     check_contact(scene)?;
@@ -34,7 +34,11 @@ fn ensure(holds: bool, refusal: impl FnOnce() -> Refusal) -> Verdict {
     if holds { Ok(()) } else { Err(refusal()) }
 }
 
-fn check_mesh(mesh: &MeshSpec) -> Verdict {
+fn check_mesh(scene: &Scene) -> Verdict {
+    let mesh = &scene.mesh;
+    if let Some((found, allowed)) = scene.element.fault(mesh.dimension()) {
+        return Err(Refusal::new("element", found, allowed));
+    }
     let axes = ["x", "y", "z"];
     let axes = &axes[..mesh.dimension()];
     for (i, axis) in mesh.periodic().iter().enumerate() {
@@ -51,7 +55,16 @@ fn check_mesh(mesh: &MeshSpec) -> Verdict {
             Refusal::new(&path, format!("{found} a second time"), "each axis once")
         })?;
     }
-    let nodes = mesh.node_bound();
+    for axis in [Axis::X, Axis::Y, Axis::Z] {
+        if let Some((found, allowed)) = mesh.grading_fault(axis) {
+            let path = format!("mesh.grading[{}]", axis.index());
+            return Err(Refusal::new(path, found, allowed));
+        }
+    }
+    if let Some((path, found, allowed)) = mesh.refinement_fault() {
+        return Err(Refusal::new(path, found, allowed));
+    }
+    let nodes = mesh.node_bound(scene.element);
     ensure(nodes <= u128::from(MAX_NODES), || {
         let found = format!("{}, which makes {nodes} nodes", json(&mesh.cells()));
         Refusal::new("mesh.cells", found, format!("at most {MAX_NODES} nodes"))
@@ -182,7 +195,7 @@ fn has_free_contact_node(scene: &Scene, normal: Axis) -> bool {
             .all(|(axis, &cells)| {
                 let is_across = |part: &&String| scene.mesh.normal_axis(part) == Some(axis);
                 let clamped = scene.clamped.iter().filter(is_across).count();
-                u64::from(cells) + 1 > clamped as u64
+                scene.element.nodes_along(cells) > clamped as u64
             })
 }
 

@@ -4,7 +4,7 @@ use super::example::{Finished, nodal};
 use crate::contact_table::write_columns;
 use crate::failure::Failure;
 use crate::field::{NodalField, contact_forces};
-use crate::pictures::{Axis, BodyView, Panel, Sheet};
+use crate::pictures::{Axis, BodyView, Panel, Shape, Sheet};
 use std::path::Path;
 use stickslip::mesh::Mesh;
 
@@ -33,26 +33,22 @@ impl Deformed {
     }
 
     pub fn view(&self) -> BodyView {
-        let now = |node: usize| {
-            let (p, u) = (self.mesh.nodes[node], self.displacement[node]);
-            (p[0] + u[0], p[1] + u[1])
-        };
-        let forces = self.nodes.iter().zip(&self.forces);
+        let shape = Shape::new(&self.mesh, &self.displacement, 1.0);
+        let foot: Vec<_> = self
+            .nodes
+            .iter()
+            .map(|&n| shape.nodes[n as usize])
+            .collect();
+        let forces = self.forces.iter().map(|f| (f[0], f[1]));
         BodyView {
             heading: "Deformed mesh at t = 1 s (true scale)".to_owned(),
-            nodes: (0..self.mesh.nodes.len()).map(now).collect(),
+            forces: foot.iter().copied().zip(forces).collect(),
+            contact: vec![foot],
+            shape,
             outline: vec![(0.0, 0.0), (1.0, 0.0), (1.0, 0.5), (0.0, 0.5), (0.0, 0.0)],
-            triangles: self
-                .mesh
-                .cells()
-                .map(|c| [c[0] as usize, c[1] as usize, c[2] as usize])
-                .collect(),
             amount: self.displacement.iter().map(|u| u[0].hypot(u[1])).collect(),
             scale: Axis::new("displacement", "m"),
-            forces: forces
-                .map(|(&node, f)| (now(node as usize), (f[0], f[1])))
-                .collect(),
-            arrows: "contact force on the body".to_owned(),
+            arrows: Some("contact force on the body".to_owned()),
         }
     }
 

@@ -4,6 +4,7 @@ use super::axes::Axis;
 use super::canvas::{Anchor, Canvas, Frame, SMALL};
 use super::colours::{BLACK, GREY, RED, sequential};
 use super::map::colour_bar;
+use super::shape::{Place, Shape};
 use plotters::prelude::DrawingBackend;
 
 const HEADING_ROOM: f64 = 26.0;
@@ -15,18 +16,18 @@ const LONGEST: f64 = 46.0;
 /// A plane body.
 pub struct BodyView {
     pub heading: String,
-    /// Nodes where they are now, m.
-    pub nodes: Vec<(f64, f64)>,
+    pub shape: Shape,
     /// The corners of the body before the deformation, closed.
     pub outline: Vec<(f64, f64)>,
-    pub triangles: Vec<[usize; 3]>,
     /// Amount at the nodes, shown by colour.
     pub amount: Vec<f64>,
     pub scale: Axis,
+    /// Lines along the contact as it is now.
+    pub contact: Vec<Vec<Place>>,
     /// Points and forces; arrows end at the point, with one length per force.
     pub forces: Vec<((f64, f64), (f64, f64))>,
-    /// What the arrows are.
-    pub arrows: String,
+    /// What the arrows are, where there are any.
+    pub arrows: Option<String>,
 }
 
 impl BodyView {
@@ -35,7 +36,7 @@ impl BodyView {
         canvas: &Canvas<DB>,
         panel: Frame,
     ) -> Result<(), String> {
-        let all = || self.nodes.iter().chain(&self.outline);
+        let all = || self.shape.nodes.iter().chain(&self.outline);
         let extent = |values: &mut dyn Iterator<Item = f64>| {
             values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
                 (l.min(v), h.max(v))
@@ -58,15 +59,15 @@ impl BodyView {
             )
         };
         let colours = self.scale.fit_exactly(self.amount.iter().copied());
-        for triangle in &self.triangles {
-            let corners: Vec<_> = triangle.iter().map(|&n| at(self.nodes[n])).collect();
+        let nodes = &self.shape.nodes;
+        for triangle in &self.shape.triangles {
+            let corners: Vec<_> = triangle.iter().map(|&n| at(nodes[n])).collect();
             let mean = triangle.iter().map(|&n| self.amount[n]).sum::<f64>() / 3.0;
             canvas.polygon(&corners, sequential(colours.place(mean)))?;
         }
-        for triangle in &self.triangles {
-            let mut corners: Vec<_> = triangle.iter().map(|&n| at(self.nodes[n])).collect();
-            corners.push(corners[0]);
-            canvas.line(&corners, (245, 245, 245), 0.35)?;
+        for outline in &self.shape.outlines {
+            let line: Vec<_> = outline.iter().map(|p| at(*p)).collect();
+            canvas.line(&line, (245, 245, 245), 0.35)?;
         }
         let outline: Vec<_> = self.outline.iter().map(|p| at(*p)).collect();
         canvas.dashes(&outline, GREY, 1.2)?;
@@ -74,9 +75,12 @@ impl BodyView {
         let (x, y) = (panel.left + MARGIN, panel.top + 11.0);
         canvas.heading(&self.heading, (x, y), Anchor::Left)?;
         let y = panel.top + HEADING_ROOM + 6.0;
-        canvas.arrow((x, y), (x + 26.0, y), RED)?;
-        canvas.text(&self.arrows, (x + 32.0, y), Anchor::Left, SMALL)?;
-        let next = x + 60.0 + canvas.text_width(&self.arrows, SMALL);
+        let mut next = x;
+        if let Some(arrows) = &self.arrows {
+            canvas.arrow((x, y), (x + 26.0, y), RED)?;
+            canvas.text(arrows, (x + 32.0, y), Anchor::Left, SMALL)?;
+            next += 60.0 + canvas.text_width(arrows, SMALL);
+        }
         canvas.dashes(&[(next, y), (next + 26.0, y)], GREY, 1.2)?;
         canvas.text("undeformed", (next + 32.0, y), Anchor::Left, SMALL)?;
         let bar = Frame {
@@ -101,8 +105,8 @@ impl BodyView {
             let from = (to.0 - share * force.0, to.1 + share * force.1);
             canvas.arrow(from, to, RED)?;
         }
-        let foot: Vec<_> = self.forces.iter().map(|(point, _)| at(*point)).collect();
-        if foot.len() > 1 {
+        for line in self.contact.iter().filter(|line| line.len() > 1) {
+            let foot: Vec<_> = line.iter().map(|point| at(*point)).collect();
             canvas.line(&foot, BLACK, 1.0)?;
         }
         Ok(())

@@ -6,12 +6,14 @@ mod canvas;
 mod colours;
 mod curves;
 mod map;
+mod shape;
 
 pub use axes::Axis;
 pub use body::BodyView;
 pub use colours::{BLUE, Colour, GREEN, ORANGE, RED, sequential};
 pub use curves::{Curves, Mark, Series};
 pub use map::Map;
+pub use shape::Shape;
 
 use crate::failure::Failure;
 use canvas::{Canvas, Frame};

@@ -1,0 +1,93 @@
+//! The picture of the deformed body at the end of a run, for plane bodies.
+
+use crate::failure::Failure;
+use crate::pictures::{Axis, BodyView, Panel, Shape, Sheet};
+use std::path::Path;
+use stickslip::{Compilation, Scene, Simulator};
+
+/// Share of the size of the body that a displacement must have to be seen at true scale.
+const VISIBLE: f64 = 0.02;
+/// Share of the size of the body up to which a smaller displacement is enlarged.
+const LARGEST: f64 = 0.1;
+
+/// Draws `body.png` and `body.svg` into `folder`; nothing for a body in space.
+pub fn draw(
+    folder: &Path,
+    scene: &Scene,
+    compilation: &Compilation,
+    simulator: &Simulator,
+) -> Result<(), Failure> {
+    let &[width, height] = scene.mesh.size() else {
+        return Ok(());
+    };
+    let body = &compilation.body;
+    let field = compilation.field(simulator.state().displacement());
+    let displacement = body.displacement(&field.map_err(Failure::of(&scene.name))?);
+    let amount: Vec<f64> = displacement.iter().map(|u| u[0].hypot(u[1])).collect();
+    let largest = amount.iter().copied().fold(0.0, f64::max);
+    let factor = enlargement(largest / width.max(height));
+    let shape = Shape::new(&body.mesh, &displacement, factor);
+    let faces = body.mesh.faces(&scene.contact.part, "contact.part");
+    let contact = faces
+        .map_err(Failure::of(&scene.name))?
+        .map(|face| [face[0], face[1]].map(|node| shape.nodes[node as usize]))
+        .map(Vec::from)
+        .collect();
+    let scale = match factor {
+        1.0 => "true scale".to_owned(),
+        _ => format!("displacement times {factor}"),
+    };
+    let view = BodyView {
+        heading: format!("At t = {} s, {scale}; contact in black", simulator.time()),
+        shape,
+        outline: vec![
+            (0.0, 0.0),
+            (width, 0.0),
+            (width, height),
+            (0.0, height),
+            (0.0, 0.0),
+        ],
+        amount,
+        scale: Axis::new("displacement", "m"),
+        contact,
+        forces: Vec::new(),
+        arrows: None,
+    };
+    Sheet {
+        title: format!("{}: deformed mesh", scene.name),
+        width: 1100,
+        height: 640,
+        rows: vec![(1.0, vec![Panel::Body(view)])],
+    }
+    .save(folder, "body")
+}
+
+/// 1 for a displacement of this share that can be seen, else the largest of 1, 2, 5, 10, ... that keeps it small.
+fn enlargement(share: f64) -> f64 {
+    if !(share > 0.0 && share < VISIBLE) {
+        return 1.0;
+    }
+    let most = LARGEST / share;
+    let decade = 10f64.powi(most.log10().floor() as i32);
+    let round = [5.0, 2.0, 1.0].into_iter().find(|r| r * decade <= most);
+    round.unwrap_or(1.0) * decade
+}
+
+#[cfg(test)]
+mod tests {
+    use super::enlargement;
+
+    #[test]
+    fn small_displacements_are_enlarged_by_round_factors() {
+        for (share, factor) in [
+            (0.0, 1.0),
+            (0.3, 1.0),
+            (0.02, 1.0),
+            (0.019, 5.0),
+            (1.1e-5, 5000.0),
+        ] {
+            assert_eq!(enlargement(share), factor, "{share}");
+        }
+        assert_eq!(enlargement(f64::NAN), 1.0);
+    }
+}
