@@ -213,7 +213,7 @@ fn smooth_error(value: &Value) -> f64 {
     });
     let operators = &body.operators;
     let pattern = (&operators.col_ptr[..], &operators.row_idx[..]);
-    let cholesky = SparseCholesky::new(pattern.0, pattern.1, body.contact_len()).unwrap();
+    let cholesky = SparseCholesky::new(pattern.0, pattern.1, &body.interior_places()).unwrap();
     let mut factor = vec![0.0; cholesky.len()];
     let mut memory = cholesky.scratch(1);
     cholesky
