@@ -115,10 +115,10 @@ impl Body {
     pub fn interior_places(&self) -> Vec<[f64; 3]> {
         let mut places = vec![[0.0; 3]; self.dofs.contact_start()];
         for (node, leader) in self.mesh.leader.iter().enumerate() {
-            if *leader as usize == node {
-                if let Some(places) = places.get_mut(self.dofs.range(*leader)) {
-                    places.fill(self.mesh.nodes[node]);
-                }
+            if *leader as usize == node
+                && let Some(places) = places.get_mut(self.dofs.range(*leader))
+            {
+                places.fill(self.mesh.nodes[node]);
             }
         }
         places

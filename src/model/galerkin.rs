@@ -130,8 +130,8 @@ impl Projection {
             let own = |i: usize| self.instantaneous[(i, i)].max(f64::MIN_POSITIVE).sqrt();
             let on_contact = dot(&missed[..contact], &missed[..contact]).sqrt();
             worst = worst.max(emphasis * on_contact / own(j));
-            for i in contact..missed.len() {
-                worst = worst.max(missed[i].abs() / (own(i) * own(j)));
+            for (i, missed) in missed.iter().enumerate().skip(contact) {
+                worst = worst.max(missed.abs() / (own(i) * own(j)));
             }
         }
         worst
