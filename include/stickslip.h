@@ -91,6 +91,8 @@ enum stickslip_code
   STICKSLIP_NULL = -14,
   // The library panicked; the simulator of the call can only be freed.
   STICKSLIP_POISONED = -15,
+  // No step is small enough for `time.tolerance`.
+  STICKSLIP_TOLERANCE_OUT_OF_REACH = -16,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -163,7 +165,7 @@ typedef struct stickslip_port {
 } stickslip_port;
 
 // All codes.
-#define stickslip_code_ALL { stickslip_code_Scene, stickslip_code_Body, stickslip_code_ReductionInaccurate, stickslip_code_NotConverged, stickslip_code_NotPositiveDefinite, stickslip_code_Step, stickslip_code_Length, stickslip_code_Value, stickslip_code_Unknown, stickslip_code_CallOrder, stickslip_code_Bytes, stickslip_code_Fingerprint, stickslip_code_Unstable, stickslip_code_Null, stickslip_code_Poisoned, }
+#define stickslip_code_ALL { stickslip_code_Scene, stickslip_code_Body, stickslip_code_ReductionInaccurate, stickslip_code_NotConverged, stickslip_code_NotPositiveDefinite, stickslip_code_Step, stickslip_code_Length, stickslip_code_Value, stickslip_code_Unknown, stickslip_code_CallOrder, stickslip_code_Bytes, stickslip_code_Fingerprint, stickslip_code_Unstable, stickslip_code_Null, stickslip_code_Poisoned, stickslip_code_ToleranceOutOfReach, }
 
 #ifdef __cplusplus
 extern "C" {

@@ -10,6 +10,10 @@ use crate::workspace::Workspace;
 pub(crate) trait Companion {
     /// The communication step begins; jumps at its beginning have been made.
     fn start(&mut self, model: &Model, state: &State, ws: &mut Workspace) -> Result<()>;
+    /// A part of the communication step begins that may be refused: what [`Companion::go_back`] returns to.
+    fn keep(&mut self);
+    /// The part was refused.
+    fn go_back(&mut self);
     /// An internal step begins, at this fraction of the communication step.
     fn begin(&mut self, fraction: f64);
     /// A stage has been solved; its place and its fraction of the communication step.
@@ -41,6 +45,8 @@ impl Companion for Alone {
     fn start(&mut self, _: &Model, _: &State, _: &mut Workspace) -> Result<()> {
         Ok(())
     }
+    fn keep(&mut self) {}
+    fn go_back(&mut self) {}
     fn begin(&mut self, _: f64) {}
     fn stage(
         &mut self,

@@ -64,6 +64,13 @@ pub enum Error {
     Fingerprint { expected: u64, found: u64 },
     /// An explicit scheme is beyond its stability limit.
     Unstable { step: f64, limit: f64 },
+    /// The smallest internal step still has `excess` times the error that `time.tolerance` allows.
+    ToleranceOutOfReach {
+        time: f64,
+        step: f64,
+        excess: f64,
+        tolerance: f64,
+    },
     /// A pointer is NULL that must not be.
     Null { what: &'static str },
     /// The library panicked in this call or in an earlier one with the same simulator, which can only be freed now.
@@ -104,11 +111,13 @@ pub enum ErrorCode {
     Null = -14,
     /// The library panicked; the simulator of the call can only be freed.
     Poisoned = -15,
+    /// No step is small enough for `time.tolerance`.
+    ToleranceOutOfReach = -16,
 }
 
 impl ErrorCode {
     /// All codes.
-    pub const ALL: [ErrorCode; 15] = [
+    pub const ALL: [ErrorCode; 16] = [
         ErrorCode::Scene,
         ErrorCode::Body,
         ErrorCode::ReductionInaccurate,
@@ -124,6 +133,7 @@ impl ErrorCode {
         ErrorCode::Unstable,
         ErrorCode::Null,
         ErrorCode::Poisoned,
+        ErrorCode::ToleranceOutOfReach,
     ];
 
     /// Name of the C constant, without its prefix.
@@ -144,6 +154,7 @@ impl ErrorCode {
             ErrorCode::Unstable => c"UNSTABLE",
             ErrorCode::Null => c"NULL",
             ErrorCode::Poisoned => c"POISONED",
+            ErrorCode::ToleranceOutOfReach => c"TOLERANCE_OUT_OF_REACH",
         }
     }
 }
@@ -167,6 +178,7 @@ impl Error {
             Error::Unstable { .. } => ErrorCode::Unstable,
             Error::Null { .. } => ErrorCode::Null,
             Error::Poisoned { .. } => ErrorCode::Poisoned,
+            Error::ToleranceOutOfReach { .. } => ErrorCode::ToleranceOutOfReach,
         }
     }
 }
@@ -236,6 +248,16 @@ impl fmt::Display for Error {
             Error::Unstable { step, limit } => write!(
                 f,
                 "time.step = {step} is beyond the stability limit {limit:.6} of the explicit scheme \"rectangle\""
+            ),
+            Error::ToleranceOutOfReach {
+                time,
+                step,
+                excess,
+                tolerance,
+            } => write!(
+                f,
+                "time.tolerance = {tolerance:e} is out of reach at time {time}: an internal step of {step:.3e} s still has \
+                 {excess:.1} times the allowed error; loosen it"
             ),
             Error::Null { what } => write!(f, "{what}: expected a pointer, found NULL"),
             Error::Poisoned { what } => write!(f, "the simulator is unusable, free it: {what}"),

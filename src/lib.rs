@@ -46,6 +46,7 @@ mod bytes;
 pub mod capi;
 mod companion;
 pub mod error;
+mod error_estimate;
 pub mod fem;
 pub mod friction;
 pub mod linalg;
@@ -61,6 +62,8 @@ mod simulator;
 mod stage;
 mod state;
 mod step;
+mod step_control;
+mod step_sizes;
 mod workspace;
 
 pub use error::{Error, ErrorCode, Result};

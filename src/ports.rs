@@ -39,6 +39,7 @@ pub enum Quantity {
     Residual,
     Solutions,
     SolutionGap,
+    ErrorEstimate,
     Coefficient(usize),
 }
 
@@ -86,6 +87,8 @@ pub(crate) struct Shapes<'a> {
     pub loads: &'a [(String, &'static str)],
     pub probes: &'a [String],
     pub law: Law,
+    /// Whether the error in time is estimated.
+    pub has_error_estimate: bool,
 }
 
 impl Ports {
@@ -94,7 +97,7 @@ impl Ports {
         ports.add_loads(shapes);
         ports.add_contact(shapes);
         ports.add_conjugates_and_probes(shapes);
-        ports.add_accounts();
+        ports.add_accounts(shapes);
         ports.add_coefficients(shapes);
         ports
     }
@@ -288,7 +291,7 @@ impl Ports {
         }
     }
 
-    fn add_accounts(&mut self) {
+    fn add_accounts(&mut self, shapes: &Shapes) {
         use Quantity::*;
         for (name, unit, quantity, text) in [
             (
@@ -348,6 +351,17 @@ impl Ports {
             ),
         ] {
             self.add(name, unit, Causality::Output, &[], quantity, text);
+        }
+        if shapes.has_error_estimate {
+            self.add(
+                "solver.error_estimate",
+                "1",
+                Causality::Output,
+                &[],
+                ErrorEstimate,
+                "Estimated error in time of the slip rate, accumulated since the start: discrete L2 norm over the contact, \
+                 relative to the largest such norm of the slip rate so far. No bound.",
+            );
         }
     }
 

@@ -1,5 +1,6 @@
 //! The values of a port in a state.
 
+use crate::error_estimate;
 use crate::friction::problem::norm;
 use crate::model::Model;
 use crate::ports::{Port, Quantity};
@@ -76,6 +77,7 @@ pub(crate) fn read(model: &Model, state: &State, port: &Port, out: &mut [f64]) {
         Quantity::Residual => state.report[report::RESIDUAL],
         Quantity::Solutions => state.report[report::SOLUTIONS],
         Quantity::SolutionGap => state.report[report::SOLUTION_GAP],
+        Quantity::ErrorEstimate => error_estimate::estimate(model, state),
     };
     out[0] = value;
 }

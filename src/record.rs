@@ -38,13 +38,28 @@ pub(crate) fn interpolate_loads(start: &[f64], end: &[f64], fraction: f64, loads
 
 /// `u_{n+1} = u_n + k sum_j b_j w_j` for everything that is integrated.
 pub(crate) fn integrate(tableau: &Tableau, state: &mut State, velocities: &[Velocity], k: f64) {
+    integrate_solution(tableau, state, velocities, k);
+    for (j, velocity) in velocities.iter().enumerate() {
+        let weight = tableau.weight(j) * k;
+        if weight != 0.0 {
+            add_scaled(&mut state.slip, weight, &velocity.contact);
+            add_scaled(&mut state.output_displacement, weight, &velocity.outputs);
+        }
+    }
+}
+
+/// The same for what the next step depends on: the displacement of the body and the accumulated slip.
+pub(crate) fn integrate_solution(
+    tableau: &Tableau,
+    state: &mut State,
+    velocities: &[Velocity],
+    k: f64,
+) {
     for (j, velocity) in velocities.iter().enumerate() {
         let weight = tableau.weight(j) * k;
         if weight != 0.0 {
             add_scaled(&mut state.displacement, weight, &velocity.body);
-            add_scaled(&mut state.slip, weight, &velocity.contact);
             add_scaled(&mut state.accumulated_slip, weight, &velocity.magnitude);
-            add_scaled(&mut state.output_displacement, weight, &velocity.outputs);
         }
     }
 }

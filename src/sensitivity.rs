@@ -5,7 +5,8 @@
 //! taken once more from the state before it, so that a step without derivatives costs nothing extra; the repeated step
 //! is the same bit for bit. Where a node is just about to change between stick and slip the outputs have a kink: the
 //! derivative is then that of the branch on which the step ended. A linear input enters with its share of the step, a
-//! held one with its jump at the beginning.
+//! held one with its jump at the beginning. Internal steps that `time.tolerance` chose are held: the derivative is that of
+//! the step with just these sizes, and a refused pair of steps is undone in the tangents too.
 
 use crate::companion::{Companion, StagePlace};
 use crate::error::{Error, Result};
@@ -72,7 +73,8 @@ impl Simulator {
                 | Quantity::Iterations
                 | Quantity::Residual
                 | Quantity::Solutions
-                | Quantity::SolutionGap => head.fill(0.0),
+                | Quantity::SolutionGap
+                | Quantity::ErrorEstimate => head.fill(0.0),
                 Quantity::MaxSlipRate => head[0] = self.tangent_of_largest_rate(tangent),
                 // linear in the state
                 _ => readout::read(self.model(), tangent, port, head),
@@ -127,6 +129,8 @@ struct Tangent {
     explicit: Explicit,
     loads_at_start: Vec<f64>,
     load: Vec<f64>,
+    /// State and velocity at the start of a part that may be refused.
+    kept: (State, Velocity),
 }
 
 /// The tangents of a step along several seeds.
@@ -157,6 +161,7 @@ impl Tangents {
                 explicit: Explicit::new(model),
                 load: loads_at_start.clone(),
                 loads_at_start,
+                kept: (State::without_history(model), Velocity::new(model)),
             }
         };
         Tangents {
@@ -239,6 +244,20 @@ impl Companion for Tangents {
             self.solve(model, state, ws, 0.0, 0)?;
         }
         Ok(())
+    }
+
+    fn keep(&mut self) {
+        for t in &mut self.list {
+            t.kept.0.copy_steps_from(&t.state);
+            t.kept.1.copy_from(&t.velocities[0]);
+        }
+    }
+
+    fn go_back(&mut self) {
+        for t in &mut self.list {
+            t.state.copy_steps_from(&t.kept.0);
+            t.velocities[0].copy_from(&t.kept.1);
+        }
     }
 
     fn begin(&mut self, fraction: f64) {

@@ -2,12 +2,14 @@
 
 use crate::companion::{Alone, Companion};
 use crate::error::{Error, Result};
+use crate::error_estimate;
 use crate::model::Model;
 use crate::ports::Quantity;
 use crate::readout;
 use crate::record::record;
 use crate::state::{State, history_row, report};
 use crate::step;
+use crate::step_control;
 use crate::workspace::Workspace;
 use std::sync::Arc;
 
@@ -109,6 +111,8 @@ impl Simulator {
             state.loads.copy_from_slice(&state.inputs);
             state.needs_settling = 0;
             step::settle(model, state, ws)?;
+            error_estimate::start(model, state);
+            step_control::start(model, state);
             state.is_initialized = 1;
             record(model, state);
             Ok(())
@@ -179,11 +183,13 @@ impl Simulator {
         Ok(())
     }
 
-    /// Steps from `time` to `time + step`. A step of any size is cut into equal internal steps not larger than `time.step`.
+    /// Steps from `time` to `time + step`. A step of any size is cut into internal steps not larger than `time.step`: equal
+    /// ones, or, with `time.tolerance`, as small as that asks for.
     ///
     /// # Errors
     /// [`Error::CallOrder`] before initialization, [`Error::Step`] for a step that is not positive or a time that does not
-    /// continue the simulation, [`Error::NotConverged`]. The state is then bit for bit what it was.
+    /// continue the simulation, [`Error::NotConverged`], [`Error::ToleranceOutOfReach`]. The state is then bit for bit what
+    /// it was.
     pub fn do_step(&mut self, time: f64, step: f64) -> Result<()> {
         if self.state.is_initialized == 0 {
             return Err(Error::CallOrder {
@@ -393,6 +399,22 @@ impl Simulator {
     /// Empty unless kept.
     pub fn iterates(&self) -> impl Iterator<Item = (&[f64], &[f64])> {
         self.workspace.fixed_point.iterates()
+    }
+
+    /// Internal steps since the start of the simulation; part of the state.
+    pub fn internal_steps(&self) -> u64 {
+        self.state.steps
+    }
+
+    /// Stages solved so far by this simulator, those of refused steps, error estimates and derivatives included.
+    pub fn stage_solves(&self) -> u64 {
+        self.workspace.stages.solves()
+    }
+
+    /// Pairs of internal steps that the step control has refused so far.
+    pub fn refused_pairs(&self) -> u64 {
+        let control = self.workspace.control.as_ref();
+        control.map_or(0, |control| control.refused)
     }
 
     /// Stage factorizations made so far: one per step size that was not among the last few.

@@ -9,7 +9,7 @@ use crate::model::Model;
 
 const FRAME: Frame = Frame {
     magic: *b"SLIPSTAT",
-    format: 1,
+    format: 2,
     what: "saved state",
 };
 
@@ -52,10 +52,25 @@ pub struct State {
     pub(crate) energy: Vec<f64>,
     /// Coefficients of the friction law.
     pub(crate) coefficients: Vec<f64>,
-    /// Account of the last communication step: see [`Report`].
+    /// Account of the last communication step; see [`report`].
     pub(crate) report: Vec<f64>,
+    /// What step control and error estimate remember; see [`control`].
+    pub(crate) control: Vec<f64>,
+    /// The second solution; empty without an error estimate.
+    pub(crate) second: Second,
     /// Ring of the last internal steps: time, slip rate, slip, tangential stress.
     pub(crate) history: Vec<f64>,
+}
+
+/// A second solution that goes along; the blocks have the meaning of those of the same names in the state.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct Second {
+    pub displacement: Vec<f64>,
+    pub velocity: Vec<f64>,
+    pub slip_rate: Vec<f64>,
+    pub force: Vec<f64>,
+    pub accumulated_slip: Vec<f64>,
+    pub output_velocity: Vec<f64>,
 }
 
 /// Places in `State::energy`.
@@ -76,8 +91,23 @@ pub(crate) mod report {
     pub const COUNT: usize = 4;
 }
 
+/// Places in `State::control`.
+pub(crate) mod control {
+    /// Size proposed for the next pair of internal steps, s.
+    pub const PROPOSED: usize = 0;
+    /// Largest slip rate so far, discrete L2 norm over the contact.
+    pub const LARGEST_SLIP_RATE: usize = 1;
+    /// The same over all pairs tried.
+    pub const CONTACT_SCALE: usize = 2;
+    /// Largest velocity of the body over all pairs tried, norm of the viscosity.
+    pub const BODY_SCALE: usize = 3;
+    pub const COUNT: usize = 4;
+}
+
 const COUNTERS: usize = 5;
-const BLOCKS: usize = 14;
+const BLOCKS: usize = 21;
+/// How many of them, the first ones, internal steps change.
+const STEPPED: usize = BLOCKS - 3;
 
 impl State {
     /// The state before initialization.
@@ -106,6 +136,19 @@ impl State {
             energy: vec![0.0; energy::COUNT],
             coefficients: model.law().coefficients().to_vec(),
             report: vec![0.0; report::COUNT],
+            control: vec![0.0; control::COUNT],
+            second: if model.has_error_estimate() {
+                Second {
+                    displacement: vec![0.0; model.states()],
+                    velocity: vec![0.0; model.states()],
+                    slip_rate: vec![0.0; contact],
+                    force: vec![0.0; contact],
+                    accumulated_slip: vec![0.0; nodes],
+                    output_velocity: vec![0.0; outputs],
+                }
+            } else {
+                Second::default()
+            },
             history: vec![0.0; model.history_capacity() * history_row(contact)],
         }
     }
@@ -117,6 +160,45 @@ impl State {
         state
     }
 
+    /// A state that only [`State::copy_steps_from`] writes.
+    pub(crate) fn without_history(model: &Model) -> State {
+        State {
+            history: Vec::new(),
+            ..State::new(model)
+        }
+    }
+
+    /// Exchanges the main solution and the second one.
+    pub(crate) fn swap_second(&mut self) {
+        let second = &mut self.second;
+        for (a, b) in [
+            (&mut self.displacement, &mut second.displacement),
+            (&mut self.velocity, &mut second.velocity),
+            (&mut self.slip_rate, &mut second.slip_rate),
+            (&mut self.force, &mut second.force),
+            (&mut self.accumulated_slip, &mut second.accumulated_slip),
+            (&mut self.output_velocity, &mut second.output_velocity),
+        ] {
+            std::mem::swap(a, b);
+        }
+    }
+
+    /// Makes the second solution the same as the main one.
+    pub(crate) fn copy_to_second(&mut self) {
+        let second = &mut self.second;
+        for (to, from) in [
+            (&mut second.displacement, &self.displacement),
+            (&mut second.velocity, &self.velocity),
+            (&mut second.slip_rate, &self.slip_rate),
+            (&mut second.force, &self.force),
+            (&mut second.accumulated_slip, &self.accumulated_slip),
+            (&mut second.output_velocity, &self.output_velocity),
+        ] {
+            to.copy_from_slice(from);
+        }
+    }
+
+    /// The blocks; report, control and history are the last ones.
     fn blocks(&self) -> [&Vec<f64>; BLOCKS] {
         [
             &self.displacement,
@@ -131,7 +213,14 @@ impl State {
             &self.output_velocity,
             &self.energy,
             &self.coefficients,
+            &self.second.displacement,
+            &self.second.velocity,
+            &self.second.slip_rate,
+            &self.second.force,
+            &self.second.accumulated_slip,
+            &self.second.output_velocity,
             &self.report,
+            &self.control,
             &self.history,
         ]
     }
@@ -150,7 +239,14 @@ impl State {
             &mut self.output_velocity,
             &mut self.energy,
             &mut self.coefficients,
+            &mut self.second.displacement,
+            &mut self.second.velocity,
+            &mut self.second.slip_rate,
+            &mut self.second.force,
+            &mut self.second.accumulated_slip,
+            &mut self.second.output_velocity,
             &mut self.report,
+            &mut self.control,
             &mut self.history,
         ]
     }
@@ -186,6 +282,16 @@ impl State {
         }
         self.set_counters(other.counters());
         Ok(())
+    }
+
+    /// Copies all that internal steps change of another state of the same model. Not the account of the communication step
+    /// and the memory of the step control, which go on; nor the history: rows that were written in vain are written again.
+    pub(crate) fn copy_steps_from(&mut self, other: &State) {
+        let blocks = self.blocks_mut().into_iter().zip(other.blocks());
+        for (to, from) in blocks.take(STEPPED) {
+            to.copy_from_slice(from);
+        }
+        self.set_counters(other.counters());
     }
 
     fn check_fingerprint(&self, found: u64) -> Result<()> {

@@ -1,30 +1,38 @@
 //! The algorithm of a step: predict, solve friction, correct, record.
 //!
 //! ```text
-//! for every internal step of size k
-//!     for every stage i of the scheme                                          (qvi::Tableau)
-//!         p   = u_n + k sum_{j<i} a_ij w_j                                     explicit part of the history
-//!         r   = S E^T M^-1 (F f_i - B p),   M = A + theta k B                  predict
-//!         S w_c + Lambda = r,  Lambda in omega g(|w_c|) d|w_c|                 friction
-//!         w_i = M^-1 (F f_i - B p - E Lambda)                                  correct
-//!     u_{n+1} = p + theta k w,  slip and accumulated slip alike                record
+//! for every part of the communication step                                     (step_sizes)
+//!     for every internal step of size k in it
+//!         for every stage i of the scheme                                      (qvi::Tableau)
+//!             p   = u_n + k sum_{j<i} a_ij w_j                                 explicit part of the history
+//!             r   = S E^T M^-1 (F f_i - B p),   M = A + theta k B              predict
+//!             S w_c + Lambda = r,  Lambda in omega g(|w_c|) d|w_c|             friction
+//!             w_i = M^-1 (F f_i - B p - E Lambda)                              correct
+//!         u_{n+1} = p + theta k w,  slip and accumulated slip alike            record
+//!     accept the part, or undo it and take a smaller one                       (step_control)
+//!     the second solution follows                                              (error_estimate)
 //! ```
+//!
+//! Without `time.tolerance` a part is one internal step, all are equal, and none is refused.
 //!
 //! The step works on a trial state; the caller keeps the old one until the last internal step has succeeded.
 
 use crate::companion::{Companion, StagePlace};
 use crate::error::Result;
+use crate::error_estimate;
 use crate::model::Model;
 use crate::record::{add_energies, explicit_part, integrate, interpolate_loads, record};
 use crate::scene::{Interpolation, Start};
 use crate::stage::solve_stage;
 use crate::state::State;
+use crate::step_control::{self, Verdict};
+use crate::step_sizes::{Part, Parts};
 use crate::workspace::Workspace;
 
-/// Advances `state` by one communication step of `h`, cut into equal internal steps; its inputs are the loads at the end.
+/// Advances `state` by one communication step of `h`; its inputs are the loads at the end.
 ///
 /// # Errors
-/// [`Error::NotConverged`]; `state` is then spoilt.
+/// [`crate::Error::NotConverged`], [`crate::Error::ToleranceOutOfReach`]; `state` is then spoilt.
 pub(crate) fn advance(
     model: &Model,
     state: &mut State,
@@ -35,23 +43,50 @@ pub(crate) fn advance(
     state.report.fill(0.0);
     apply_jumps(model, state, ws)?;
     companion.start(model, state, ws)?;
-    let (start, count) = (state.time, substeps(h, model.largest_step()));
-    let k = without_jitter(h / count as f64);
     ws.loads_at_start.copy_from_slice(&state.loads);
-    for i in 0..count {
-        let at = |instant: f64| (i as f64 + instant) / count as f64;
-        internal_step(model, state, ws, k, at, companion)?;
+    let start = state.time;
+    let mut parts = Parts::of(h, model);
+    while let Some(part) = parts.next(step_control::proposed(model, state)) {
+        step_control::keep(state, ws);
+        companion.keep();
+        let taken = take(model, state, ws, &part, start, h, companion);
+        let mut verdict = step_control::judge(model, state, ws, &part, taken)?;
+        if verdict == Verdict::Accepted {
+            let followed = error_estimate::follow(model, state, ws, &part);
+            verdict = step_control::judge_second(model, state, ws, &part, followed)?;
+        }
+        match verdict {
+            Verdict::Accepted => parts.pass(),
+            Verdict::Refused => companion.go_back(),
+        }
+    }
+    state.loads.copy_from_slice(&state.inputs);
+    Ok(())
+}
+
+/// The internal steps of a part.
+fn take(
+    model: &Model,
+    state: &mut State,
+    ws: &mut Workspace,
+    part: &Part,
+    start: f64,
+    h: f64,
+    companion: &mut impl Companion,
+) -> Result<()> {
+    for i in 0..part.steps {
+        let at = |instant: f64| part.at((f64::from(i) + instant) / f64::from(part.steps));
+        internal_step(model, state, ws, part.k, at, companion)?;
         state.time = start + h * at(1.0);
         record(model, state);
     }
-    state.loads.copy_from_slice(&state.inputs);
     Ok(())
 }
 
 /// Makes velocity and contact forces consistent with the loads of this instant: the inequality at fixed displacement.
 ///
 /// # Errors
-/// [`Error::NotConverged`].
+/// [`crate::Error::NotConverged`].
 pub(crate) fn settle(model: &Model, state: &mut State, ws: &mut Workspace) -> Result<()> {
     if model.start() == Start::Zero {
         return Ok(());
@@ -69,18 +104,6 @@ pub(crate) fn settle(model: &Model, state: &mut State, ws: &mut Workspace) -> Re
     Ok(())
 }
 
-/// Internal steps that cut `h` into equal parts not larger than `largest`.
-fn substeps(h: f64, largest: f64) -> u64 {
-    // a communication step meant as a multiple of the internal one must not gain a step by rounding
-    ((h / largest) * (1.0 - 1e-9)).ceil().max(1.0) as u64
-}
-
-/// Rounds away the last bits of a step size: masters compute `t[i+1] - t[i]`, and sizes equal but for rounding must
-/// share one factorization. The relative change is below 1e-12.
-fn without_jitter(k: f64) -> f64 {
-    f64::from_bits((k.to_bits() + 0x800) & !0xfff)
-}
-
 /// Held inputs jump at the beginning of the step, coefficients have changed since the last one: the velocity follows.
 fn apply_jumps(model: &Model, state: &mut State, ws: &mut Workspace) -> Result<()> {
     let mut has_jumped = state.needs_settling != 0;
@@ -91,8 +114,9 @@ fn apply_jumps(model: &Model, state: &mut State, ws: &mut Workspace) -> Result<(
         }
     }
     state.needs_settling = 0;
-    if has_jumped && model.tableau().uses_start_velocity() {
+    if has_jumped && (model.tableau().uses_start_velocity() || model.tolerance().is_some()) {
         settle(model, state, ws)?;
+        error_estimate::follow_jump(model, state, ws)?;
     }
     Ok(())
 }
@@ -106,12 +130,34 @@ fn internal_step(
     at: impl Fn(f64) -> f64,
     companion: &mut impl Companion,
 ) -> Result<()> {
+    solve_stages(model, state, ws, k, at, companion)?;
     let tableau = model.tableau();
+    let last = tableau.stages().len();
+    ws.velocities[last].store_into(state);
+    integrate(tableau, state, &ws.velocities[..=last], k);
+    add_energies(model, state, ws, k);
+    companion.end(model, state, ws, k);
+    state.steps += 1;
+    Ok(())
+}
+
+/// The stages of an internal step, into `ws.velocities` after the velocity at its start.
+///
+/// # Errors
+/// [`crate::Error::NotConverged`].
+pub(crate) fn solve_stages(
+    model: &Model,
+    state: &mut State,
+    ws: &mut Workspace,
+    k: f64,
+    at: impl Fn(f64) -> f64,
+    companion: &mut impl Companion,
+) -> Result<()> {
     ws.velocities[0].load_from(state);
     interpolate_loads(&ws.loads_at_start, &state.inputs, at(0.0), &mut ws.load);
     ws.velocities[0].load.copy_from_slice(&ws.load);
     companion.begin(at(0.0));
-    for (i, stage) in tableau.stages().iter().enumerate() {
+    for (i, stage) in model.tableau().stages().iter().enumerate() {
         let (index, fraction) = (i + 1, at(stage.instant));
         explicit_part(state, &ws.velocities[..index], stage, k, &mut ws.explicit);
         interpolate_loads(&ws.loads_at_start, &state.inputs, fraction, &mut ws.load);
@@ -125,11 +171,5 @@ fn internal_step(
         };
         companion.stage(model, state, ws, k, place)?;
     }
-    let last = tableau.stages().len();
-    ws.velocities[last].store_into(state);
-    integrate(tableau, state, &ws.velocities[..=last], k);
-    add_energies(model, state, ws, k);
-    companion.end(model, state, ws, k);
-    state.steps += 1;
     Ok(())
 }

@@ -6,6 +6,7 @@ use crate::friction::newton;
 use crate::model::{Model, Scratch, StageCache};
 use crate::qvi::{MAX_STAGES, Tableau};
 use crate::state::State;
+use crate::step_control::{self, ControlWorkspace};
 
 /// Velocity, forces and loads at one instant of a step.
 pub(crate) struct Velocity {
@@ -63,6 +64,15 @@ impl Velocity {
         self.store_contact(state);
         state.velocity.copy_from_slice(&self.body);
         state.output_velocity.copy_from_slice(&self.outputs);
+    }
+
+    pub fn copy_from(&mut self, other: &Velocity) {
+        self.body.copy_from_slice(&other.body);
+        self.contact.copy_from_slice(&other.contact);
+        self.magnitude.copy_from_slice(&other.magnitude);
+        self.force.copy_from_slice(&other.force);
+        self.outputs.copy_from_slice(&other.outputs);
+        self.load.copy_from_slice(&other.load);
     }
 
     pub fn clear(&mut self) {
@@ -137,6 +147,8 @@ pub(crate) struct Workspace {
     pub condensed_load: Vec<f64>,
     /// Displacement of the last iterate of the fixed point.
     pub last_iterate: Vec<f64>,
+    /// Scratch of the step control, where there is one.
+    pub control: Option<ControlWorkspace>,
 }
 
 impl Workspace {
@@ -145,7 +157,7 @@ impl Workspace {
         let (nodes, len) = (contact.node_count(), contact.len());
         let loads = vec![0.0; model.interpolations().len()];
         Workspace {
-            stages: StageCache::new(model.body()),
+            stages: StageCache::new(model.body(), step_control::sizes_kept(model)),
             scratch: model.body().scratch(),
             newton: newton::Workspace::new(nodes, len),
             fixed_point: FixedPointWorkspace::new(nodes, len),
@@ -157,6 +169,7 @@ impl Workspace {
             load: loads,
             condensed_load: vec![0.0; len],
             last_iterate: vec![0.0; model.states()],
+            control: (model.tolerance().is_some()).then(|| ControlWorkspace::new(model)),
         }
     }
 }

@@ -41,6 +41,8 @@ fn steps_allocate_nothing() {
         (vec![("fidelity.solver", fixed_point)], 16),
         (vec![("fidelity.multiplicity_test", "true")], 16),
         (vec![("loads[0].interpolation", "hold")], 64),
+        (vec![("time.error_estimate", "true")], 16),
+        (vec![("time.tolerance", "1e-4")], 16),
     ] {
         let model = compile(&paper(cells, &overrides)).unwrap();
         let mut simulator = Simulator::new(model);

@@ -164,6 +164,9 @@ fn ranges() {
             (r#""alpha": 100.0"#, r#""alpha": -1"#, "contact.friction.alpha", "-1", ">= 0"),
             (r#""b": 0.001"#, r#""b": -1e-3"#, "contact.friction.b", "-0.001", ">= 0"),
             (r#""a": 0.003"#, r#""a": -1e-3"#, "contact.friction.a", "-0.001", ">= 0"),
+            (r#""step": 0.03125"#, r#""step": 0.03125, "tolerance": 0"#, "time.tolerance", "0", ">= 1e-9"),
+            (r#""step": 0.03125"#, r#""step": 0.03125, "tolerance": 0.5"#, "time.tolerance", "0.5", "<= 0.1"),
+            (r#""step": 0.03125"#, r#""step": 0.03125, "error_estimate": 1"#, "time.error_estimate", "1", "true or false"),
             (r#""step": 0.03125"#, r#""step": 0"#, "time.step", "0", "> 0"),
             ("1e-8", "1e-13", "fidelity.tolerance", "1e-13", ">= 1e-12 <= 0.1"),
             ("1e-8", "0.2", "fidelity.tolerance", "0.2", "<= 0.1"),
@@ -371,6 +374,25 @@ fn overrides() {
         ("mesh.cells", "[0, 1]", "mesh.cells[0]", "0", ">= 1"),
     ] {
         assert_scene_error(set(path, value), at, found, allowed);
+    }
+}
+
+/// The explicit scheme has neither step control nor error estimate; switching the estimate off is no request.
+#[test]
+fn explicit_scheme_has_no_step_control() {
+    let text = |more: &str| {
+        let time = format!(r#""step": 0.03125, "scheme": "rectangle"{more}"#);
+        let text = text_of("kazmi2014").replace(r#""scheme": "trapezoid", "#, "");
+        text.replace(r#""step": 0.03125"#, &time)
+    };
+    for (more, path) in [
+        (r#", "tolerance": 1e-3"#, "time.tolerance"),
+        (r#", "error_estimate": true"#, "time.error_estimate"),
+    ] {
+        assert_refused(&text(more), (path, "rectangle", "tr_bdf2"));
+    }
+    for more in ["", r#", "error_estimate": false"#, r#", "tolerance": null"#] {
+        assert!(Scene::from_json(&text(more), "test.json").is_ok(), "{more}");
     }
 }
 

@@ -35,6 +35,11 @@ fn space(model: &str, scheme: &str, bound: f64) -> Value {
 
 /// Steps a scene, compares both derivatives with differences, returns the share of the contact that sticks.
 fn check(scene: Value, inputs: [f64; 2]) -> f64 {
+    check_and_count(scene, inputs, [1.1, 0.9]).0
+}
+
+/// The same for a last step with the inputs multiplied by `change`; also how many pairs of steps were refused in it.
+fn check_and_count(scene: Value, inputs: [f64; 2], change: [f64; 2]) -> (f64, u64) {
     let label = format!(
         "{} {} {}",
         scene["name"], scene["fidelity"]["model"], scene["time"]["scheme"]
@@ -47,16 +52,21 @@ fn check(scene: Value, inputs: [f64; 2]) -> f64 {
         sim.set_inputs(&inputs).unwrap();
         sim.do_step(t, h).unwrap();
     }
-    let (t, h, last) = (0.08, 0.05, [1.1 * inputs[0], 0.9 * inputs[1]]);
+    let (t, h, last) = (0.08, 0.05, [change[0] * inputs[0], change[1] * inputs[1]]);
     let mut before = sim.new_state();
     sim.save(&mut before).unwrap();
     let mut at = |inputs: [f64; 2]| {
         sim.restore(&before).unwrap();
+        let refused = sim.refused_pairs();
         sim.set_inputs(&inputs).unwrap();
         sim.do_step(t, h).unwrap();
         let mut out = vec![0.0; sim.output_len()];
         sim.get_outputs(&mut out).unwrap();
-        (out, sim.get_by_name("contact.stick").unwrap())
+        let stick = sim.get_by_name("contact.stick").unwrap();
+        (
+            out,
+            (stick, sim.internal_steps(), sim.refused_pairs() - refused),
+        )
     };
     let mut differences = Vec::new();
     for i in 0..2 {
@@ -67,14 +77,14 @@ fn check(scene: Value, inputs: [f64; 2]) -> f64 {
         let ((plus, stick), (minus, stick_below)) = (at(up), at(down));
         assert_eq!(
             stick, stick_below,
-            "{label}: a kink was met, choose another step"
+            "{label}: a kink was met or a step refused, choose another step"
         );
         let column: Vec<f64> = (0..plus.len())
             .map(|j| (plus[j] - minus[j]) / (2.0 * d))
             .collect();
         differences.push(column);
     }
-    at(last);
+    let (_, (_, _, refused)) = at(last);
     let end = sim.state().clone();
     let seed = [0.7, -0.4];
     let mut tangent = vec![0.0; sim.output_len()];
@@ -114,7 +124,8 @@ fn check(scene: Value, inputs: [f64; 2]) -> f64 {
         (left - right).abs() <= 1e-11 * left.abs().max(1e-3),
         "{label}: {left} {right}"
     );
-    sim.get_by_name("contact.stick_fraction").unwrap()[0]
+    let stuck = sim.get_by_name("contact.stick_fraction").unwrap()[0];
+    (stuck, refused)
 }
 
 #[test]
@@ -143,6 +154,37 @@ fn the_tangent_is_the_derivative_in_the_plane() {
             check(plane("reduced", scheme, "linear", friction), [-0.3, 0.05]);
         }
     }
+}
+
+/// Chosen internal steps are held while the inputs vary: so small a change of inputs does not change them either.
+#[test]
+fn the_tangent_is_the_derivative_with_chosen_steps() {
+    let mut refusals = 0;
+    for (scheme, tightest) in [
+        ("trapezoid", 1e-6),
+        ("backward_euler", 1e-3),
+        ("tr_bdf2", 1e-6),
+    ] {
+        for interpolation in ["linear", "hold"] {
+            for (_, a) in PLANE_BOUND {
+                for tolerance in [1e-2, tightest] {
+                    let friction =
+                        json!({"law": "exponential", "a": a, "b": 0.5 * a, "alpha": 2.0});
+                    let mut scene = plane("reduced", scheme, interpolation, friction);
+                    scene["time"]["tolerance"] = json!(tolerance);
+                    // the smallest steps cannot do 1e-14
+                    scene["fidelity"]["friction_tolerance"] = json!(1e-13);
+                    let change = [3.0, -2.0];
+                    let (_, refused) = check_and_count(scene, [-0.3, 0.05], change);
+                    refusals += refused;
+                }
+            }
+        }
+        let mut scene = space("reduced", scheme, 0.012);
+        scene["time"]["tolerance"] = json!(1e-3);
+        check(scene, [0.1, 0.04]);
+    }
+    assert!(refusals > 0, "no tangent was undone");
 }
 
 #[test]

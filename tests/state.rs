@@ -23,13 +23,21 @@ fn outputs(simulator: &Simulator) -> Vec<u64> {
 
 #[test]
 fn restored_run_is_the_same_run() {
-    for (scheme, model) in [
-        ("trapezoid", "reduced"),
-        ("tr_bdf2", "reduced"),
-        ("trapezoid", "condensed"),
-        ("backward_euler", "full"),
+    const EQUAL: (&str, &str) = ("time.error_estimate", "false");
+    const ESTIMATED: (&str, &str) = ("time.error_estimate", "true");
+    const CHOSEN: (&str, &str) = ("time.tolerance", "1e-4");
+    for (scheme, model, steps) in [
+        ("trapezoid", "reduced", EQUAL),
+        ("tr_bdf2", "reduced", EQUAL),
+        ("trapezoid", "condensed", EQUAL),
+        ("backward_euler", "full", EQUAL),
+        ("trapezoid", "reduced", ESTIMATED),
+        ("trapezoid", "reduced", CHOSEN),
+        ("tr_bdf2", "condensed", CHOSEN),
+        ("backward_euler", "reduced", ("time.tolerance", "1e-2")),
     ] {
-        let scene = paper(16, &[("time.scheme", scheme), ("fidelity.model", model)]);
+        let given = [("time.scheme", scheme), ("fidelity.model", model), steps];
+        let scene = paper(16, &given);
         let model = compile(&scene).unwrap();
         let mut original = started(Arc::clone(&model));
         (0..7).for_each(|n| drive(&mut original, n));

@@ -95,6 +95,12 @@ impl Closing {
             "friction residual",
             format!("{:.1e} at most", effort.residual),
         ));
+        if let Some(estimate) = effort.error_estimate {
+            rows.push((
+                "error in time",
+                format!("{estimate:.1e} of the largest slip rate, at most, by estimate"),
+            ));
+        }
         rows.push((
             "energy balance",
             format!(

@@ -38,6 +38,8 @@ pub struct Effort {
     pub internal_steps: u64,
     /// Largest friction residual.
     pub residual: f64,
+    /// Largest estimate of the error in time, where there is one.
+    pub error_estimate: Option<f64>,
     /// Time spent in steps.
     pub stepping: Duration,
 }
@@ -83,13 +85,8 @@ impl Points {
     /// The largest internal step that is taken, s.
     pub fn internal_step(&self, largest: f64) -> f64 {
         let step = self.step.min(self.until);
-        step / internal_steps(step, largest) as f64
+        step / (step / largest * (1.0 - 1e-9)).ceil().max(1.0)
     }
-}
-
-/// Number of equal internal steps, not larger than `largest`, that make up `step`.
-fn internal_steps(step: f64, largest: f64) -> u64 {
-    (step / largest * (1.0 - 1e-9)).ceil().max(1.0) as u64
 }
 
 /// Steps the scene and shows every communication point, the start included, to `observe`.
@@ -100,7 +97,6 @@ pub fn follow(
     mut observe: impl FnMut(&Simulator, &Frame) -> Result<(), Failure>,
 ) -> Result<Effort, Failure> {
     let failed = Failure::of(source_name);
-    let model = Arc::clone(simulator.model());
     let points = Points::of(scene);
     let mut effort = Effort::default();
     set_loads(scene, simulator, points.at(0)).map_err(&failed)?;
@@ -112,13 +108,15 @@ pub fn follow(
         let start = Instant::now();
         simulator.do_step(from, to - from).map_err(&failed)?;
         effort.stepping += start.elapsed();
-        effort.internal_steps += internal_steps(to - from, model.largest_step());
         let scalar = |name| Ok(simulator.get_by_name(name)?[0]);
         effort
             .iterations
             .push(scalar("solver.iterations").map_err(&failed)?);
         let residual = scalar("solver.residual").map_err(&failed)?;
         effort.residual = effort.residual.max(residual);
+        if let Ok(estimate) = scalar("solver.error_estimate") {
+            effort.error_estimate = Some(effort.error_estimate.unwrap_or(0.0).max(estimate));
+        }
         let frame = frame(simulator).map_err(&failed)?;
         let values = frame.slip_rate.iter().chain(&frame.tangential_stress);
         if !values.chain(&frame.slip).all(|v| v.is_finite()) {
@@ -129,6 +127,7 @@ pub fn follow(
         }
         observe(simulator, &frame)?;
     }
+    effort.internal_steps = simulator.internal_steps();
     Ok(effort)
 }
 

@@ -63,7 +63,10 @@ impl Component {
 
     /// The same FMU with other values of the fixed parameters; instances of one process share it.
     pub fn with_parameters(&self, values: &[f64]) -> Outcome<Arc<Component>> {
-        let changes = parameters::overrides(&self.origin, values);
+        let mut changes = parameters::overrides(&self.origin, values);
+        // the variables of an FMU do not change: an output that follows from a parameter stays as it was packed
+        let has_estimate = self.model.scene().time.estimates_error();
+        changes.push(("time.error_estimate".into(), has_estimate.to_string()));
         let mut key = self.scene_text.clone();
         for (path, value) in &changes {
             key.push_str(path);

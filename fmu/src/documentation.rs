@@ -186,7 +186,8 @@ const USE: &str = "<h2>Use</h2>\n<ul>\
 <li>Inputs are the load intensities at the end of the next step; within the step they go linearly from the last value \
 (or jump at its beginning, for loads declared with <code>hold</code>). With FMI 2 input derivatives a step ends with the value that \
 was set plus the derivative times the step.</li>\
-<li>A step of any positive size is cut into equal internal steps no larger than <code>time.step</code>.</li>\
+<li>A step of any positive size is cut into internal steps no larger than <code>time.step</code>: equal ones, or, when \
+<code>time.tolerance</code> is not 0, as small as that asks for.</li>\
 <li>States can be saved, restored and serialized at any time; a restored run continues bit for bit, in another process too.</li>\
 <li>Directional (and in FMI 3 adjoint) derivatives are those of the outputs at the end of the last step by the inputs at its end. \
 Where a contact node changes between stick and slip it is the derivative of the branch on which the step ended.</li>\

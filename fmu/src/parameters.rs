@@ -9,6 +9,8 @@ use stickslip::Scene;
 pub enum Kind {
     /// A number with its SI unit; `1` for a number.
     Real(&'static str),
+    /// A positive number that the scene need not have; 0 when it has none.
+    Optional(&'static str),
     /// One of the words of [`CHOICES`]; its value is the place of the word, from 1.
     Choice(usize),
 }
@@ -62,11 +64,17 @@ const fn parameter(path: &'static str, kind: Kind, description: &'static str) ->
 }
 
 /// All fixed parameters: the numbers first, then the choices.
-pub const PARAMETERS: [Parameter; 11] = [
+pub const PARAMETERS: [Parameter; 12] = [
     parameter(
         "time.step",
         Kind::Real("s"),
         "Largest internal step; a communication step is cut into equal internal steps no larger than this.",
+    ),
+    parameter(
+        "time.tolerance",
+        Kind::Optional("1"),
+        "Error in time aimed at, of the slip rate relative to its largest norm so far: internal steps are then as small as it \
+         asks for. 0: they are equal.",
     ),
     parameter(
         "fidelity.tolerance",
@@ -119,6 +127,7 @@ pub fn values(scene: &Scene) -> Vec<f64> {
         let found = json.pointer(&format!("/{}", parameter.path.replace('.', "/")));
         match parameter.kind {
             Kind::Real(_) => found.and_then(Value::as_f64).unwrap_or(f64::NAN),
+            Kind::Optional(_) => found.and_then(Value::as_f64).unwrap_or(0.0),
             Kind::Choice(list) => {
                 let word = found.and_then(Value::as_str).unwrap_or("");
                 let place = CHOICES[list].words.iter().position(|w| *w == word);
@@ -146,7 +155,8 @@ pub fn overrides(from: &[f64], to: &[f64]) -> Vec<(String, String)> {
     changed
         .map(|(parameter, (_, value))| {
             let text = match parameter.kind {
-                Kind::Real(_) => format!("{value:?}"),
+                Kind::Optional(_) if *value == 0.0 => "null".to_owned(),
+                Kind::Real(_) | Kind::Optional(_) => format!("{value:?}"),
                 Kind::Choice(list) => {
                     let words = CHOICES[list].words;
                     let word = words.get((*value as usize).wrapping_sub(1));
@@ -171,13 +181,13 @@ mod tests {
     fn parameters_are_values_of_the_scene() {
         let scene = Scene::from_json(paper(), "kazmi2014").expect("a valid scene");
         let before = values(&scene);
-        assert!(
-            before.iter().all(|v| v.is_finite() && *v > 0.0),
-            "{before:?}"
-        );
+        for (value, parameter) in before.iter().zip(&PARAMETERS) {
+            let is_absent = matches!(parameter.kind, Kind::Optional(_)) && *value == 0.0;
+            assert!(is_absent || *value > 0.0, "{parameter:?}: {value}");
+        }
         for (i, parameter) in PARAMETERS.iter().enumerate() {
             let Kind::Choice(list) = parameter.kind else {
-                assert!(i < 7, "numbers come first");
+                assert!(i < 8, "numbers come first");
                 continue;
             };
             for place in 1..=CHOICES[list].words.len() {
@@ -191,5 +201,24 @@ mod tests {
                 assert_eq!(values(&changed.expect("a valid scene")), after);
             }
         }
+    }
+
+    /// A number that the scene has not comes and goes.
+    #[test]
+    fn optional_parameters_are_set_and_removed() {
+        let scene = |changes: &[(String, String)]| {
+            Scene::with_overrides(paper(), "kazmi2014", changes).expect("a valid scene")
+        };
+        let before = values(&scene(&[]));
+        let place = PARAMETERS.iter().position(|p| p.path == "time.tolerance");
+        let place = place.expect("a parameter");
+        assert_eq!(before[place], 0.0);
+        let mut after = before.clone();
+        after[place] = 1e-4;
+        let changed = scene(&overrides(&before, &after));
+        assert_eq!(changed.time.tolerance, Some(1e-4));
+        assert_eq!(values(&changed), after);
+        let back = scene(&[overrides(&before, &after), overrides(&after, &before)].concat());
+        assert_eq!(back.time.tolerance, None);
     }
 }

@@ -124,7 +124,7 @@ impl Variables {
         }
         for parameter in &PARAMETERS {
             let unit = match parameter.kind {
-                Kind::Real(unit) => unit,
+                Kind::Real(unit) | Kind::Optional(unit) => unit,
                 Kind::Choice(_) => "1",
             };
             if let (Kind::Choice(_), 0) = (parameter.kind, all.choices) {

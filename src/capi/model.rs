@@ -59,7 +59,7 @@ pub struct stickslip_model_info {
     pub model_bytes: usize,
     /// Identifies the model: states fit models with the same fingerprint.
     pub fingerprint: u64,
-    /// Largest internal step, s; a communication step is cut into equal internal steps not larger than this.
+    /// Largest internal step, s; a communication step is cut into internal steps not larger than this.
     pub largest_step: f64,
     /// By what share the slope of the friction law could grow before a step may have several solutions; negative: it may
     /// have, infinite: the bound does not depend on the slip rate.

@@ -220,7 +220,7 @@ pub unsafe extern "C" fn stickslip_set(
 }
 
 /// Steps from `time` to `time + step` (s). `time` is where the simulation stands, up to rounding; a step of any size is cut
-/// into equal internal steps. Allocates nothing once the step size is known. Returns `NOT_UNIQUE` (> 0) when the step was
+/// into internal steps. Allocates nothing once the step size is known. Returns `NOT_UNIQUE` (> 0) when the step was
 /// taken but the multiplicity test found other solutions. Errors, with the state bit for bit as before: `CALL_ORDER` before
 /// `stickslip_init`, `STEP`, `NOT_CONVERGED`.
 ///

@@ -98,17 +98,20 @@ pub struct StageCache {
     pub factorizations: u64,
 }
 
-/// Step sizes kept: the start, the communication step, its last remainder, and a trial size.
-const STAGES: usize = 4;
-
 impl StageCache {
-    pub fn new(model: &dyn BodyModel) -> StageCache {
+    /// Room for the stages of `sizes` step sizes.
+    pub fn new(model: &dyn BodyModel, sizes: usize) -> StageCache {
         StageCache {
-            stages: (0..STAGES).map(|_| Stage::new(model)).collect(),
-            last_use: vec![0; STAGES],
+            stages: (0..sizes).map(|_| Stage::new(model)).collect(),
+            last_use: vec![0; sizes],
             clock: 0,
             factorizations: 0,
         }
+    }
+
+    /// Times that a stage was asked for.
+    pub fn solves(&self) -> u64 {
+        self.clock
     }
 
     /// The stage for `theta_k`, factored now or earlier.
@@ -129,7 +132,9 @@ impl StageCache {
         let slot = match known {
             Some(slot) => slot,
             None => {
-                let oldest = (0..STAGES).min_by_key(|&i| self.last_use[i]).unwrap_or(0);
+                let oldest = (0..self.stages.len())
+                    .min_by_key(|&i| self.last_use[i])
+                    .unwrap_or(0);
                 let stage = &mut self.stages[oldest];
                 stage.theta_k = None;
                 self.factorizations += 1;

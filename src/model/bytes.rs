@@ -47,6 +47,15 @@ impl Model {
         if !(scene.time.step.is_finite() && scene.time.step > 0.0) {
             return Err(Reader::refusal("compiled model: time.step is not positive"));
         }
+        if scene
+            .time
+            .tolerance
+            .is_some_and(|t| !(t.is_finite() && t > 0.0))
+        {
+            return Err(Reader::refusal(
+                "compiled model: time.tolerance is not positive",
+            ));
+        }
         let model = Model::new(&scene, parts)?;
         if model.fingerprint != fingerprint {
             return Err(Error::Fingerprint {

@@ -110,6 +110,7 @@ fn ports(scene: &Scene, parts: &Parts, law: Law) -> Ports {
         loads: &loads,
         probes: &probes,
         law,
+        has_error_estimate: scene.time.estimates_error(),
     })
 }
 

@@ -27,6 +27,7 @@ pub(super) fn check(scene: &Scene) -> Verdict {
     for (i, probe) in scene.probes.iter().enumerate() {
         check_probe(&scene.mesh, probe, &format!("probes[{i}].at"))?;
     }
+    check_time(&scene.time)?;
     check_signals(scene)
 }
 
@@ -300,6 +301,25 @@ fn check_probe(mesh: &MeshSpec, probe: &Probe, path: &str) -> Verdict {
                 format!("{path}[{i}]"),
                 x,
                 format!("0 to {size}, inside the body"),
+            )
+        })?;
+    }
+    Ok(())
+}
+
+/// The step of an explicit scheme is bounded by its stability: errors that grow with twice the step say nothing.
+fn check_time(time: &Time) -> Verdict {
+    let asked = [
+        ("time.tolerance", time.tolerance.is_some()),
+        ("time.error_estimate", time.estimates_error()),
+    ];
+    for (path, is_asked) in asked {
+        ensure(!is_asked || time.scheme != Scheme::Rectangle, || {
+            let found = "a value with time.scheme \"rectangle\", which is explicit";
+            Refusal::new(
+                path,
+                found,
+                "trapezoid, backward_euler or tr_bdf2 as time.scheme",
             )
         })?;
     }

@@ -91,3 +91,166 @@ pub fn column(friction: Value, time: Value) -> Value {
         "fidelity": {"model": "full", "friction_tolerance": 1e-13}
     })
 }
+
+/// A run of an embedded scene on its signals, seen at equal communication points.
+pub struct Course {
+    pub scene: &'static str,
+    pub overrides: Vec<(&'static str, String)>,
+    /// Communication step, s.
+    pub step: f64,
+    pub count: usize,
+}
+
+/// What a course gave.
+pub struct Trajectory {
+    /// Slip rates at the communication points, the start first.
+    pub rates: Vec<Vec<f64>>,
+    /// `solver.error_estimate` at the same points; zeros without.
+    pub estimates: Vec<f64>,
+    pub iterations: f64,
+    pub simulator: Simulator,
+}
+
+impl Course {
+    /// Runs with more overrides.
+    pub fn run(&self, more: &[(&str, &str)]) -> Trajectory {
+        let text = stickslip::scene::example(self.scene).expect("an embedded scene");
+        let own = self.overrides.iter().map(|(p, v)| (*p, v.as_str()));
+        let all: Vec<_> = own
+            .chain(more.iter().copied())
+            .map(|(p, v)| (p.to_string(), v.to_string()))
+            .collect();
+        let scene = Scene::with_overrides(text, self.scene, &all).expect("a valid scene");
+        let loads = |t: f64| -> Vec<f64> {
+            let signal = |l: &stickslip::scene::Load| scene.run.signals[&l.name].at(t);
+            scene.loads.iter().map(signal).collect()
+        };
+        let mut simulator = Simulator::new(compile(&scene).expect("a scene that compiles"));
+        simulator.set_inputs(&loads(0.0)).expect("fitting loads");
+        simulator.init(0.0).expect("a start that converges");
+        let has_estimate = simulator
+            .model()
+            .ports()
+            .find("solver.error_estimate")
+            .is_ok();
+        let mut out = Trajectory {
+            rates: vec![values(&simulator, "contact.slip_rate")],
+            estimates: vec![0.0],
+            iterations: 0.0,
+            simulator,
+        };
+        for n in 0..self.count {
+            let simulator = &mut out.simulator;
+            let (from, to) = (n as f64 * self.step, (n + 1) as f64 * self.step);
+            simulator.set_inputs(&loads(to)).expect("fitting loads");
+            simulator
+                .do_step(from, self.step)
+                .expect("a step that converges");
+            out.rates.push(values(simulator, "contact.slip_rate"));
+            out.iterations += value(simulator, "solver.iterations");
+            out.estimates.push(if has_estimate {
+                value(simulator, "solver.error_estimate")
+            } else {
+                0.0
+            });
+        }
+        out
+    }
+
+    /// Runs with equal internal steps, `parts` of them in a communication step.
+    pub fn run_equal(&self, parts: u32, more: &[(&str, &str)]) -> Trajectory {
+        let step = format!("{:?}", self.step / f64::from(parts));
+        self.run(&[&[("time.step", step.as_str())], more].concat())
+    }
+}
+
+impl Trajectory {
+    /// Errors against a run with far smaller steps at the communication points: discrete L2 norm over the contact, relative to
+    /// the largest of the slip rate up to there. The start, whose velocity is given, counts as exact.
+    pub fn errors(&self, fine: &Trajectory) -> Vec<f64> {
+        let contact = self.simulator.model().contact();
+        let norm = |x: &mut dyn Iterator<Item = f64>| {
+            let square = |(i, x): (usize, f64)| contact.weights[i / contact.components] * x * x;
+            x.enumerate().map(square).sum::<f64>().sqrt()
+        };
+        let mut largest = norm(&mut self.rates[0].iter().copied()).max(f64::MIN_POSITIVE);
+        let mut errors = vec![0.0];
+        for (rates, exact) in self.rates.iter().zip(&fine.rates).skip(1) {
+            largest = norm(&mut rates.iter().copied()).max(largest);
+            errors.push(norm(&mut rates.iter().zip(exact).map(|(a, b)| a - b)) / largest);
+        }
+        errors
+    }
+
+    /// Estimates over errors, at the points where the error is at least a tenth of its largest: elsewhere it passes through
+    /// zero.
+    pub fn effectivities(&self, fine: &Trajectory) -> Vec<f64> {
+        let errors = self.errors(fine);
+        let floor = 0.1 * largest(&errors);
+        let pairs = self.estimates.iter().zip(&errors);
+        pairs
+            .filter(|(_, error)| **error > floor)
+            .map(|(estimate, error)| estimate / error)
+            .collect()
+    }
+}
+
+/// The paper's example on the load of the paper.
+pub fn paper_course() -> Course {
+    Course {
+        scene: "kazmi2014",
+        overrides: Vec::new(),
+        step: 0.125,
+        count: 8,
+    }
+}
+
+/// The paper's example under a pressure that swings twice a second: the contact sticks and slips in turn, to and fro.
+pub fn swinging_course() -> Course {
+    let swing = |i: u32| {
+        let phase = 2.0 * std::f64::consts::TAU * f64::from(i) / 16.0;
+        [f64::from(i) / 16.0, -0.3 * (1.0 + 0.9 * phase.sin())]
+    };
+    let table: Vec<_> = (0..=16).map(swing).collect();
+    Course {
+        scene: "kazmi2014",
+        overrides: vec![("run.signals.press", json!(table).to_string())],
+        step: 0.0625,
+        count: 16,
+    }
+}
+
+/// The brake pad of the examples: 3D, two loads, friction in two directions.
+pub fn pad_course() -> Course {
+    Course {
+        scene: "brake_pad_3d",
+        overrides: Vec::new(),
+        step: 0.125,
+        count: 8,
+    }
+}
+
+/// The seal of the examples: TR-BDF2, sticks, slips and sticks.
+pub fn seal_course() -> Course {
+    Course {
+        scene: "seal",
+        overrides: Vec::new(),
+        step: 0.125,
+        count: 16,
+    }
+}
+
+/// One contact node under a drag that swings: a single kink at a time.
+pub fn column_course() -> Course {
+    let swing = |i: u32| {
+        let t = f64::from(i) / 8.0;
+        [t, 0.1 * (std::f64::consts::PI * t).sin()]
+    };
+    let table: Vec<_> = (0..=32).map(swing).collect();
+    Course {
+        scene: "sheared_column",
+        overrides: vec![("run.signals.pull", json!(table).to_string())],
+        step: 0.125,
+        count: 32,
+    }
+}

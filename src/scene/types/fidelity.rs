@@ -16,6 +16,24 @@ pub struct Time {
     /// Largest internal step, s; a communication step is cut into equal internal steps no larger than this.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub step: f64,
+    /// Error in time aimed at: of the slip rate of the contact, relative to its largest norm so far. Internal steps are then as
+    /// small as it asks for, and `step` or smaller; the error is of this size, not below it for certain. Default: none, all
+    /// internal steps of a communication step are equal. Not with the explicit scheme `rectangle`.
+    #[schemars(range(min = 1e-9, max = 1e-1))]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tolerance: Option<f64>,
+    /// Whether the accumulated error in time is estimated (output `solver.error_estimate`), by a second solution: with half
+    /// the step, which makes a step three times as costly; with `tolerance` twice the step, half as costly again. It does
+    /// not change the results. Default: true with `tolerance`, false without. Not with the explicit scheme `rectangle`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub error_estimate: Option<bool>,
+}
+
+impl Time {
+    /// Whether the error in time is estimated.
+    pub fn estimates_error(&self) -> bool {
+        self.error_estimate.unwrap_or(self.tolerance.is_some())
+    }
 }
 
 /// Time scheme.

@@ -1,0 +1,118 @@
+//! The parts that a communication step is cut into.
+//!
+//! A communication step of `h` is cut into equal panels. Without `time.tolerance` a panel is one internal step, not larger than
+//! `time.step`. With it a panel is a pair of equal internal steps, and may be halved, and its halves again. So every
+//! communication step ends exactly, and the sizes are those of the panel divided by powers of two: few, so that the
+//! factorizations of the last ones serve again.
+
+use crate::model::Model;
+
+/// A part of a communication step: one internal step, or a pair of equal ones.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Part {
+    /// Number of the panel, and of panels.
+    panel: u64,
+    panels: u64,
+    /// Place among the `2^level` equal parts of the panel.
+    place: u64,
+    level: u32,
+    /// Internal steps in it.
+    pub steps: u32,
+    /// Size of each, s.
+    pub k: f64,
+}
+
+impl Part {
+    /// The fraction of the communication step at a fraction of the part.
+    pub fn at(&self, fraction: f64) -> f64 {
+        let in_panel = (self.place as f64 + fraction) / power(self.level);
+        (self.panel as f64 + in_panel) / self.panels as f64
+    }
+
+    /// Size of the part, s.
+    pub fn size(&self) -> f64 {
+        f64::from(self.steps) * self.k
+    }
+}
+
+/// The parts of a communication step, one after the other.
+pub(crate) struct Parts {
+    next: Part,
+    /// Size of a panel, s.
+    panel_size: f64,
+}
+
+impl Parts {
+    /// Of a communication step of `h`.
+    pub fn of(h: f64, model: &Model) -> Parts {
+        let steps = if model.tolerance().is_some() { 2 } else { 1 };
+        let panels = panels(h, f64::from(steps) * model.largest_step());
+        Parts {
+            next: Part {
+                panel: 0,
+                panels,
+                place: 0,
+                level: 0,
+                steps,
+                k: 0.0,
+            },
+            panel_size: without_jitter(h / panels as f64),
+        }
+    }
+
+    /// The next part, the largest that is not above `size` and stays in the half of the panel that it begins; the whole
+    /// panel without a size. `None` at the end.
+    pub fn next(&mut self, size: Option<f64>) -> Option<Part> {
+        let part = &mut self.next;
+        if part.panel == part.panels {
+            return None;
+        }
+        if let Some(size) = size {
+            let most = size * (1.0 + SAME_SIZE);
+            let at_level = |level: u32| self.panel_size / power(level);
+            while part.level > 0 && part.place.is_multiple_of(2) && at_level(part.level - 1) <= most
+            {
+                part.level -= 1;
+                part.place /= 2;
+            }
+            while at_level(part.level) > most && part.level < DEEPEST {
+                part.level += 1;
+                part.place *= 2;
+            }
+        }
+        part.k = self.panel_size / power(part.level) / f64::from(part.steps);
+        Some(*part)
+    }
+
+    /// The part that was given last has been taken.
+    pub fn pass(&mut self) {
+        let part = &mut self.next;
+        part.place += 1;
+        if part.place == 1 << part.level {
+            part.panel += 1;
+            part.place = 0;
+            part.level = 0;
+        }
+    }
+}
+
+/// Relative difference of sizes that count as the same.
+const SAME_SIZE: f64 = 1e-9;
+/// Most halvings of a panel: places stay exact as numbers.
+const DEEPEST: u32 = 50;
+
+/// Equal panels, not larger than `largest`, that make up `h`.
+fn panels(h: f64, largest: f64) -> u64 {
+    // a communication step meant as a multiple of the internal one must not gain a step by rounding
+    ((h / largest) * (1.0 - SAME_SIZE)).ceil().max(1.0) as u64
+}
+
+/// Rounds away the last bits of a step size: masters compute `t[i+1] - t[i]`, and sizes equal but for rounding must
+/// share one factorization. The relative change is below 1e-12.
+fn without_jitter(k: f64) -> f64 {
+    f64::from_bits((k.to_bits() + 0x800) & !0xfff)
+}
+
+fn power(level: u32) -> f64 {
+    (1_u64 << level) as f64
+}
