@@ -135,7 +135,7 @@ typedef struct stickslip_model_info {
   size_t model_bytes;
   // Identifies the model: states fit models with the same fingerprint.
   uint64_t fingerprint;
-  // Largest internal step, s; a communication step is cut into equal internal steps not larger than this.
+  // Largest internal step, s; a communication step is cut into internal steps not larger than this.
   double largest_step;
   // By what share the slope of the friction law could grow before a step may have several solutions; negative: it may
   // have, infinite: the bound does not depend on the slip rate.
@@ -296,7 +296,7 @@ int32_t stickslip_set_inputs(struct stickslip_simulator *simulator,
 int32_t stickslip_set(struct stickslip_simulator *simulator, uint32_t reference, double value);
 
 // Steps from `time` to `time + step` (s). `time` is where the simulation stands, up to rounding; a step of any size is cut
-// into equal internal steps. Allocates nothing once the step size is known. Returns `NOT_UNIQUE` (> 0) when the step was
+// into internal steps. Allocates nothing once the step size is known. Returns `NOT_UNIQUE` (> 0) when the step was
 // taken but the multiplicity test found other solutions. Errors, with the state bit for bit as before: `CALL_ORDER` before
 // `stickslip_init`, `STEP`, `NOT_CONVERGED`.
 int32_t stickslip_do_step(struct stickslip_simulator *simulator,
@@ -436,7 +436,7 @@ int32_t stickslip_set_inputs(struct stickslip_simulator *simulator,
 int32_t stickslip_set(struct stickslip_simulator *simulator, uint32_t reference, double value);
 
 // Steps from `time` to `time + step` (s). `time` is where the simulation stands, up to rounding; a step of any size is cut
-// into equal internal steps. Allocates nothing once the step size is known. Returns `NOT_UNIQUE` (> 0) when the step was
+// into internal steps. Allocates nothing once the step size is known. Returns `NOT_UNIQUE` (> 0) when the step was
 // taken but the multiplicity test found other solutions. Errors, with the state bit for bit as before: `CALL_ORDER` before
 // `stickslip_init`, `STEP`, `NOT_CONVERGED`.
 int32_t stickslip_do_step(struct stickslip_simulator *simulator,

@@ -329,7 +329,7 @@ impl Ports {
                 "solver.iterations",
                 "1",
                 Iterations,
-                "Friction iterations of the last communication step.",
+                "Friction iterations of the last communication step, those of refused steps and of the error estimate included.",
             ),
             (
                 "solver.residual",

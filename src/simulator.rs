@@ -10,14 +10,12 @@ use crate::record::record;
 use crate::state::{State, history_row, report};
 use crate::step;
 use crate::step_control;
+use crate::step_sizes::MOST_INTERNAL_STEPS;
 use crate::workspace::Workspace;
 use std::sync::Arc;
 
 /// Relative deviation of the time of a call from the simulator's own that still counts as the same instant.
 const SAME_INSTANT: f64 = 1e-6;
-
-/// Internal steps of one communication step beyond which a call is a mistake of the caller and would seem to hang.
-const MOST_INTERNAL_STEPS: f64 = 1e6;
 
 /// One simulation. Steps allocate nothing once the models' step sizes are known; a failed call changes nothing.
 pub struct Simulator {
@@ -188,7 +186,8 @@ impl Simulator {
     ///
     /// # Errors
     /// [`Error::CallOrder`] before initialization, [`Error::Step`] for a step that is not positive or a time that does not
-    /// continue the simulation, [`Error::NotConverged`], [`Error::ToleranceOutOfReach`]. The state is then bit for bit what
+    /// continue the simulation, or that takes more than a million internal steps, [`Error::NotConverged`],
+    /// [`Error::ToleranceOutOfReach`]. The state is then bit for bit what
     /// it was.
     pub fn do_step(&mut self, time: f64, step: f64) -> Result<()> {
         if self.state.is_initialized == 0 {
@@ -204,7 +203,7 @@ impl Simulator {
                 found: step,
             });
         }
-        let longest = MOST_INTERNAL_STEPS * self.model.largest_step();
+        let longest = MOST_INTERNAL_STEPS as f64 * self.model.largest_step();
         if step > longest {
             return Err(Error::Step {
                 what: "communication step (at most a million internal steps)",

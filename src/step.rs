@@ -32,7 +32,8 @@ use crate::workspace::Workspace;
 /// Advances `state` by one communication step of `h`; its inputs are the loads at the end.
 ///
 /// # Errors
-/// [`crate::Error::NotConverged`], [`crate::Error::ToleranceOutOfReach`]; `state` is then spoilt.
+/// [`crate::Error::NotConverged`], [`crate::Error::ToleranceOutOfReach`], [`crate::Error::Step`] for a million internal steps;
+/// `state` is then spoilt.
 pub(crate) fn advance(
     model: &Model,
     state: &mut State,
@@ -56,7 +57,7 @@ pub(crate) fn advance(
             verdict = step_control::judge_second(model, state, ws, &part, followed)?;
         }
         match verdict {
-            Verdict::Accepted => parts.pass(),
+            Verdict::Accepted => parts.pass()?,
             Verdict::Refused => companion.go_back(),
         }
     }

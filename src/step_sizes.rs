@@ -5,7 +5,11 @@
 //! communication step ends exactly, and the sizes are those of the panel divided by powers of two: few, so that the
 //! factorizations of the last ones serve again.
 
+use crate::error::{Error, Result};
 use crate::model::Model;
+
+/// Internal steps of one communication step beyond which a call is a mistake of the caller and would seem to hang.
+pub(crate) const MOST_INTERNAL_STEPS: u64 = 1_000_000;
 
 /// A part of a communication step: one internal step, or a pair of equal ones.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,6 +44,10 @@ pub(crate) struct Parts {
     next: Part,
     /// Size of a panel, s.
     panel_size: f64,
+    /// Size of the communication step, s.
+    size: f64,
+    /// Internal steps taken.
+    taken: u64,
 }
 
 impl Parts {
@@ -57,6 +65,8 @@ impl Parts {
                 k: 0.0,
             },
             panel_size: without_jitter(h / panels as f64),
+            size: h,
+            taken: 0,
         }
     }
 
@@ -85,14 +95,26 @@ impl Parts {
     }
 
     /// The part that was given last has been taken.
-    pub fn pass(&mut self) {
+    ///
+    /// # Errors
+    /// [`Error::Step`] after [`MOST_INTERNAL_STEPS`], with the size that they came to.
+    pub fn pass(&mut self) -> Result<()> {
         let part = &mut self.next;
+        self.taken += u64::from(part.steps);
+        if self.taken > MOST_INTERNAL_STEPS {
+            return Err(Error::Step {
+                what: "communication step (at most a million internal steps, which time.tolerance made so small)",
+                expected: part.at(1.0) * self.size,
+                found: self.size,
+            });
+        }
         part.place += 1;
         if part.place == 1 << part.level {
             part.panel += 1;
             part.place = 0;
             part.level = 0;
         }
+        Ok(())
     }
 }
 
@@ -115,4 +137,76 @@ fn without_jitter(k: f64) -> f64 {
 
 fn power(level: u32) -> f64 {
     (1_u64 << level) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parts(size: f64, panels: u64, steps: u32) -> Parts {
+        Parts {
+            next: Part {
+                panel: 0,
+                panels,
+                place: 0,
+                level: 0,
+                steps,
+                k: 0.0,
+            },
+            panel_size: size / panels as f64,
+            size,
+            taken: 0,
+        }
+    }
+
+    /// Whatever sizes are proposed, the parts follow one another, none is larger, and the last ends at 1.
+    #[test]
+    fn parts_make_up_the_step() {
+        for panels in [1, 3, 7] {
+            let mut parts = parts(0.7, panels, 2);
+            let (mut end, mut n) = (0.0, 0_u32);
+            while let Some(part) = parts.next(Some(0.7 * 2.0_f64.powi(-((n * n) as i32 % 9)))) {
+                let proposed = 0.7 * 2.0_f64.powi(-((n * n) as i32 % 9));
+                assert!(part.size() <= proposed * (1.0 + 1e-9));
+                assert_eq!(part.at(0.0), end);
+                assert!((part.at(0.5) - end - part.k / 0.7).abs() < 1e-15);
+                end = part.at(1.0);
+                n += 1;
+                parts.pass().unwrap();
+            }
+            assert_eq!(end, 1.0);
+        }
+    }
+
+    /// A part is not larger than the half it begins: after a quarter comes no half.
+    #[test]
+    fn parts_stay_in_their_half() {
+        let mut parts = parts(1.0, 1, 2);
+        let mut sizes = Vec::new();
+        let mut proposed = 0.125;
+        while let Some(part) = parts.next(Some(proposed)) {
+            sizes.push(part.size());
+            proposed = 1.0;
+            parts.pass().unwrap();
+        }
+        assert_eq!(sizes, [0.125, 0.125, 0.25, 0.5]);
+    }
+
+    #[test]
+    fn endless_steps_are_refused() {
+        let mut parts = parts(1.0, 4_000_000, 1);
+        let mut count = 0;
+        let error = loop {
+            assert!(parts.next(None).is_some());
+            match parts.pass() {
+                Ok(()) => count += 1,
+                Err(error) => break error,
+            }
+        };
+        assert_eq!(count, MOST_INTERNAL_STEPS);
+        let Error::Step { expected, .. } = error else {
+            panic!("{error}")
+        };
+        assert!((expected - 0.25).abs() < 1e-6);
+    }
 }

@@ -83,6 +83,15 @@ impl Closing {
                 1e3 * effort.stepping.as_secs_f64()
             ),
         ));
+        if let Some(tolerance) = model.scene().time.tolerance {
+            rows.push((
+                "step control",
+                format!(
+                    "tolerance {tolerance:e}; {} pairs of steps undone",
+                    effort.refused_pairs
+                ),
+            ));
+        }
         rows.push((
             "friction iterations",
             format!(

@@ -36,6 +36,8 @@ pub struct Effort {
     pub iterations: Vec<f64>,
     /// Internal steps in all.
     pub internal_steps: u64,
+    /// Pairs of internal steps that were undone.
+    pub refused_pairs: u64,
     /// Largest friction residual.
     pub residual: f64,
     /// Largest estimate of the error in time, where there is one.
@@ -128,6 +130,7 @@ pub fn follow(
         observe(simulator, &frame)?;
     }
     effort.internal_steps = simulator.internal_steps();
+    effort.refused_pairs = simulator.refused_pairs();
     Ok(effort)
 }
 

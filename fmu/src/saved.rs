@@ -13,7 +13,7 @@ use stickslip::{Simulator, State};
 use xxhash_rust::xxh3::xxh3_64;
 
 const MAGIC: &[u8; 8] = b"SLIPFMUS";
-const FORMAT: u64 = 1;
+const FORMAT: u64 = 2;
 
 /// A saved state.
 pub struct Saved {
