@@ -1,7 +1,6 @@
 //! The course of a scene: its simulator, stepped from communication point to communication point on the scene's signals.
 
 use crate::failure::Failure;
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 use stickslip::Simulator;
 use stickslip::scene::Scene;
