@@ -45,6 +45,7 @@ mod bytes;
 #[cfg(feature = "capi")]
 pub mod capi;
 mod companion;
+pub mod course;
 pub mod error;
 mod error_estimate;
 pub mod fem;
@@ -64,6 +65,7 @@ mod state;
 mod step;
 mod step_control;
 mod step_sizes;
+pub mod tradeoff;
 mod workspace;
 
 pub use error::{Error, ErrorCode, Result};

@@ -8,7 +8,7 @@ use crate::source;
 use comfy_table::{Table, presets};
 use stickslip::ports::Causality;
 use stickslip::scene::{Scene, Scheme};
-use stickslip::{Error, Model, compile};
+use stickslip::{Compilation, Error, Model};
 
 /// A step resolves a mode of relaxation rate r to a few per mille when `k r` is at most this.
 const RESOLVED: f64 = 0.5;
@@ -17,15 +17,16 @@ const RINGING: f64 = 2.0;
 
 pub fn check(choice: &SceneChoice) -> Result<(), Failure> {
     let scene = source::scene(choice, &[])?;
-    let model = compile(&scene).map_err(Failure::of(&choice.scene))?;
-    let mut rows = closing::compiled(model.summary(), &model);
-    rows.extend(constants(&model));
-    rows.extend(step(&scene, &model));
+    let compilation = Compilation::new(&scene).map_err(Failure::of(&choice.scene))?;
+    let (scene, model) = (&compilation.scene, &compilation.model);
+    let mut rows = closing::compiled(model.summary(), model);
+    rows.extend(constants(model));
+    rows.extend(step(scene, model));
     console::say(&closing::two_columns(
         &format!("{}: valid", choice.scene),
         rows,
     ))?;
-    console::say(&format!("\nports\n{}", ports(&model)))?;
+    console::say(&format!("\nports\n{}", ports(model)))?;
     let step = scene.time.step;
     if let Some(limit) = model.stability_limit().filter(|limit| step > *limit) {
         let error = Error::Unstable { step, limit };

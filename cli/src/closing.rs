@@ -6,6 +6,7 @@ use std::time::Duration;
 use stickslip::Model;
 use stickslip::model::Summary;
 use stickslip::scene::ModelKind;
+use stickslip::tradeoff::{Quantity, Selection};
 
 /// What is watched along the way.
 pub struct Closing {
@@ -171,7 +172,34 @@ pub fn compiled(summary: &Summary, model: &Model) -> Vec<(&'static str, String)>
             ),
         ));
     }
+    if let Some(selection) = &summary.selection {
+        rows.push(("target error", target(selection)));
+    }
     rows
+}
+
+/// What was picked for a target, and what was measured of it.
+fn target(selection: &Selection) -> String {
+    let error = |quantity: Quantity| {
+        let measured = selection.verdict.of(quantity)?;
+        Some(match measured.figure() {
+            Some(error) => format!("{} {error:.1e}", quantity.name()),
+            None => format!("{} below {:.1e}", quantity.name(), measured.bound()),
+        })
+    };
+    let errors: Vec<_> = Quantity::ALL.into_iter().filter_map(error).collect();
+    let changes: Vec<_> = selection
+        .changes
+        .iter()
+        .map(|(p, v)| format!("{p}={v}"))
+        .collect();
+    format!(
+        "{}: picked {} of {} settings; errors: {}",
+        selection.target,
+        changes.join(" "),
+        selection.tried,
+        errors.join(", ")
+    )
 }
 
 /// The certificate in two rows, and the stability limit where there is one.

@@ -2,8 +2,8 @@
 
 use crate::failure::Failure;
 use std::time::{Duration, Instant};
-use stickslip::Simulator;
-use stickslip::scene::Scene;
+use stickslip::course::{Points, set_loads};
+use stickslip::{Scene, Simulator};
 
 /// The contact and the energies at one communication point. Contact arrays go node by node, components inner.
 #[derive(Debug, Clone)]
@@ -57,37 +57,10 @@ impl Effort {
     }
 }
 
-/// The communication points of a scene.
-#[derive(Debug, Clone, Copy)]
-pub struct Points {
-    step: f64,
-    until: f64,
-    pub count: u64,
-}
-
-impl Points {
-    pub fn of(scene: &Scene) -> Points {
-        let step = scene.run.step.unwrap_or(scene.time.step);
-        let until = scene.run.until;
-        // a step that divides the interval must not leave a rounding error behind as a step of its own
-        let count = (until / step * (1.0 - 1e-9)).ceil().max(1.0) as u64;
-        Points { step, until, count }
-    }
-
-    /// Time of point `n`, s.
-    pub fn at(&self, n: u64) -> f64 {
-        if n >= self.count {
-            self.until
-        } else {
-            n as f64 * self.step
-        }
-    }
-
-    /// The largest internal step that is taken, s.
-    pub fn internal_step(&self, largest: f64) -> f64 {
-        let step = self.step.min(self.until);
-        step / (step / largest * (1.0 - 1e-9)).ceil().max(1.0)
-    }
+/// The largest internal step that a scene takes where the model allows `largest`, s.
+pub fn internal_step(points: &Points, largest: f64) -> f64 {
+    let step = points.step.min(points.until);
+    step / (step / largest * (1.0 - 1e-9)).ceil().max(1.0)
 }
 
 /// Steps the scene and shows every communication point, the start included, to `observe`.
@@ -131,19 +104,6 @@ pub fn follow(
     effort.internal_steps = simulator.internal_steps();
     effort.refused_pairs = simulator.refused_pairs();
     Ok(effort)
-}
-
-/// Sets every input to its signal at `time`, or to its start value where the scene gives none.
-fn set_loads(scene: &Scene, simulator: &mut Simulator, time: f64) -> stickslip::Result<()> {
-    let values: Vec<f64> = scene
-        .loads
-        .iter()
-        .map(|load| match scene.run.signals.get(&load.name) {
-            Some(signal) => signal.at(time),
-            None => load.start,
-        })
-        .collect();
-    simulator.set_inputs(&values)
 }
 
 fn frame(simulator: &Simulator) -> stickslip::Result<Frame> {

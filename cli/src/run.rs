@@ -5,14 +5,15 @@ use crate::body_picture;
 use crate::closing::Closing;
 use crate::console;
 use crate::contact_table::ContactTable;
-use crate::course::{self, Points};
+use crate::course;
 use crate::failure::Failure;
 use crate::run_pictures;
 use crate::source;
 use crate::vtk::Series;
 use std::sync::Arc;
 use std::time::Instant;
-use stickslip::{Compilation, Error, Scene, Simulator};
+use stickslip::course::Points;
+use stickslip::{Compilation, Error, Simulator};
 
 pub fn run(options: &RunOptions) -> Result<(), Failure> {
     let mut replaced = Vec::new();
@@ -24,7 +25,8 @@ pub fn run(options: &RunOptions) -> Result<(), Failure> {
     let start = Instant::now();
     let compilation = Compilation::new(&scene).map_err(Failure::of(name))?;
     let setup = start.elapsed();
-    refuse_unstable(&scene, &compilation, name, options.force)?;
+    let scene = &compilation.scene;
+    refuse_unstable(&compilation, name, options.force)?;
 
     let contact = &compilation.body.contact;
     let mut table = match &options.csv {
@@ -38,8 +40,8 @@ pub fn run(options: &RunOptions) -> Result<(), Failure> {
     let mut frames = Vec::new();
     let mut closing = Closing::new(setup);
     let mut simulator = Simulator::new(Arc::clone(&compilation.model));
-    let bar = console::bar(Points::of(&scene).count, &scene.name);
-    let effort = course::follow(&scene, name, &mut simulator, |simulator, frame| {
+    let bar = console::bar(Points::of(scene).count, &scene.name);
+    let effort = course::follow(scene, name, &mut simulator, |simulator, frame| {
         if let Some(table) = &mut table {
             table.add(contact, frame)?;
         }
@@ -61,21 +63,16 @@ pub fn run(options: &RunOptions) -> Result<(), Failure> {
         series.finish()?;
     }
     if let Some(folder) = &options.plots {
-        run_pictures::draw(folder, &scene, contact, &frames)?;
-        body_picture::draw(folder, &scene, &compilation, &simulator)?;
+        run_pictures::draw(folder, scene, contact, &frames)?;
+        body_picture::draw(folder, scene, &compilation, &simulator)?;
     }
     console::say(&closing.table(&compilation.model, &effort))
 }
 
 /// An explicit scheme beyond its stability limit gives numbers that mean nothing.
-fn refuse_unstable(
-    scene: &Scene,
-    compilation: &Compilation,
-    name: &str,
-    is_forced: bool,
-) -> Result<(), Failure> {
+fn refuse_unstable(compilation: &Compilation, name: &str, is_forced: bool) -> Result<(), Failure> {
     let model = &compilation.model;
-    let step = Points::of(scene).internal_step(model.largest_step());
+    let step = course::internal_step(&Points::of(&compilation.scene), model.largest_step());
     match model.stability_limit() {
         Some(limit) if step > limit => {
             let error = Error::Unstable { step, limit };

@@ -179,7 +179,7 @@ pub fn package(scene_text: &str, options: &Options) -> Result<Packed, PackageErr
     let scene = Scene::from_json(scene_text, &options.source_name)?;
     let compilation = Compilation::new(&scene)?;
     let model = &compilation.model;
-    let text = scene.to_json();
+    let text = compilation.scene.to_json();
     let library = options.library.clone().map_or_else(find_library, Ok)?;
     let binary = std::fs::read(&library).map_err(|e| PackageError::Io(library.clone(), e))?;
     if is_test_library(&binary) {

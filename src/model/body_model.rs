@@ -72,6 +72,8 @@ pub trait BodyModel: Send + Sync {
     fn products(&self, x: &[f64]) -> (f64, f64);
     /// Linear outputs of a displacement or velocity: work-conjugate integrals of the loads, then the probes.
     fn outputs(&self, x: &[f64], out: &mut [f64]);
+    /// Multiplications of one [`BodyModel::predict`] and one [`BodyModel::correct`].
+    fn stage_multiplications(&self) -> usize;
     /// Bytes held by the model.
     fn bytes(&self) -> usize;
     /// Writes what the model's own `read` needs.

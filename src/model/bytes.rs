@@ -15,12 +15,14 @@ use crate::error::{Error, Result};
 use crate::fem::ContactPatch;
 use crate::qvi::Certificate;
 use crate::scene::{ModelKind, Scene};
+use crate::tradeoff::Selection;
+use std::sync::Arc;
 use xxhash_rust::xxh3::xxh3_64;
 
 const FRAME: Frame = Frame {
     magic: *b"SLIPMODL",
     // also to be raised when states or steps of models with equal bytes are no longer interchangeable
-    format: 2,
+    format: 3,
     what: "compiled model",
 };
 
@@ -29,6 +31,8 @@ impl Model {
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut out = Writer::framed();
         self.write(&mut out);
+        // how the setting was found is told, but makes no other model of it
+        Selection::write(self.summary.selection.as_ref(), &mut out);
         out.seal(&FRAME, self.fingerprint)
     }
 
@@ -125,10 +129,10 @@ fn read_parts(from: &mut Reader, scene: &Scene) -> Result<Parts> {
     let outputs = loads + scene.probes.len() * dimension;
     let contact_len = contact.len();
     let mut field = || Field::read(from, free_dofs, contact_len, loads, outputs);
-    let body: Box<dyn BodyModel> = match kind {
-        ModelKind::Full => Box::new(Full(field()?)),
-        ModelKind::Condensed => Box::new(Condensed(field()?)),
-        _ => Box::new(Reduced::read(from, contact_len, loads, outputs)?),
+    let body: Arc<dyn BodyModel> = match kind {
+        ModelKind::Full => Arc::new(Full(field()?)),
+        ModelKind::Condensed => Arc::new(Condensed(field()?)),
+        _ => Arc::new(Reduced::read(from, contact_len, loads, outputs)?),
     };
     Ok(Parts {
         kind,
@@ -150,6 +154,7 @@ fn read_parts(from: &mut Reader, scene: &Scene) -> Result<Parts> {
         mesh_cells,
         free_dofs,
         rates,
+        selection: Selection::read(from)?,
     })
 }
 

@@ -67,6 +67,11 @@ impl BodyModel for Condensed {
         self.0.outputs(x, out);
     }
 
+    fn stage_multiplications(&self) -> usize {
+        // the factor once forward and once backward, B once
+        2 * self.0.cholesky.len() + self.0.applications()
+    }
+
     fn bytes(&self) -> usize {
         self.0.bytes()
     }

@@ -83,6 +83,11 @@ impl Field {
         }
     }
 
+    /// Multiplications of `B p`: the lower triangle serves both halves.
+    pub fn applications(&self) -> usize {
+        2 * self.operators.row_idx.len()
+    }
+
     pub fn scratch(&self) -> Scratch {
         let n = self.len();
         Scratch {

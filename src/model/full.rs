@@ -103,6 +103,12 @@ impl BodyModel for Full {
         self.0.outputs(x, out);
     }
 
+    fn stage_multiplications(&self) -> usize {
+        // two solves with the factor and its transpose, B once, S once
+        let contact = self.contact_len();
+        4 * self.0.cholesky.len() + self.0.applications() + contact * contact
+    }
+
     fn bytes(&self) -> usize {
         self.0.bytes()
     }

@@ -25,6 +25,8 @@ use crate::friction::fixed_point::FixedPoint;
 use crate::ports::Ports;
 use crate::qvi::{Certificate, Tableau};
 use crate::scene::{Interpolation, ModelKind, Scene, Start};
+use crate::tradeoff::Selection;
+use std::sync::Arc;
 
 /// How the friction problem of a stage is solved.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -85,13 +87,15 @@ pub struct Summary {
     pub reduction: Option<ReductionRecord>,
     /// Slowest and fastest relaxation rate of the material, 1/s.
     pub rates: [f64; 2],
+    /// What was picked for `fidelity.target_error`, where the scene had one.
+    pub selection: Option<Selection>,
     /// Bytes held by the model of the body.
     pub bytes: usize,
 }
 
 /// A compiled scene.
 pub struct Model {
-    body: Box<dyn BodyModel>,
+    body: Arc<dyn BodyModel>,
     contact: ContactPatch,
     loads: Vec<LoadInput>,
     interpolations: Vec<Interpolation>,
@@ -132,7 +136,8 @@ impl Model {
         &self.certificate
     }
 
-    /// The scene it was compiled from; its `run` is the default one.
+    /// The scene it was compiled from, with the setting that was picked for `fidelity.target_error` in place of it; its
+    /// `run` is the default one.
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
@@ -170,6 +175,11 @@ impl Model {
     /// Internal steps kept in the history of a state.
     pub fn history_capacity(&self) -> usize {
         self.history_capacity
+    }
+
+    /// Multiplications of one internal step, friction iterations apart.
+    pub fn step_multiplications(&self) -> usize {
+        self.tableau.stages().len() * self.body.stage_multiplications()
     }
 
     pub(crate) fn body(&self) -> &dyn BodyModel {

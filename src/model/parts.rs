@@ -9,11 +9,13 @@ use crate::friction::fixed_point::FixedPoint;
 use crate::ports::{Ports, Shapes};
 use crate::qvi::{Certificate, Tableau};
 use crate::scene::{ElementKind, FrictionSolver, LoadKind, ModelKind, Run, Scene};
+use crate::tradeoff::Selection;
+use std::sync::Arc;
 
 /// The compiled numbers of a scene.
 pub(super) struct Parts {
     pub kind: ModelKind,
-    pub body: Box<dyn BodyModel>,
+    pub body: Arc<dyn BodyModel>,
     pub reduction: Option<ReductionRecord>,
     pub contact: ContactPatch,
     /// Area or volume of every load.
@@ -26,6 +28,7 @@ pub(super) struct Parts {
     pub free_dofs: usize,
     /// Slowest and fastest relaxation rate of the material, 1/s.
     pub rates: [f64; 2],
+    pub selection: Option<Selection>,
 }
 
 impl Model {
@@ -88,6 +91,7 @@ fn summary(scene: &Scene, parts: &Parts) -> Summary {
         kind: parts.kind,
         reduction: parts.reduction.clone(),
         rates: parts.rates,
+        selection: parts.selection.clone(),
         bytes: parts.body.bytes(),
     }
 }

@@ -121,6 +121,12 @@ impl BodyModel for Reduced {
         multiply_transposed(self.outputs.as_ref(), x, out);
     }
 
+    fn stage_multiplications(&self) -> usize {
+        // the contact ports forward and backward, the loads, S once
+        let (r, contact) = (self.states(), self.contact_len());
+        r * (2 * contact + self.loads) + contact * contact
+    }
+
     fn bytes(&self) -> usize {
         let numbers = self.rates.len() * (1 + self.contact.ncols() + self.outputs.ncols());
         numbers * std::mem::size_of::<f64>()

@@ -187,7 +187,7 @@ impl ElementKind {
     }
 
     /// Nodes along an edge that is cut into this many cells.
-    pub(crate) fn nodes_along(self, cells: u32) -> u64 {
+    pub fn nodes_along(self, cells: u32) -> u64 {
         match self {
             ElementKind::P1 => u64::from(cells) + 1,
             ElementKind::P2 => 2 * u64::from(cells) + 1,

@@ -57,10 +57,15 @@ pub fn finish(scene: &Scene) -> Result<Finished, Failure> {
     let setup = start.elapsed();
     let mut simulator = Simulator::new(Arc::clone(&compilation.model));
     let mut frames = Vec::new();
-    let effort = course::follow(scene, &scene.name, &mut simulator, |_, frame| {
-        frames.push(frame.clone());
-        Ok(())
-    })?;
+    let effort = course::follow(
+        &compilation.scene,
+        &scene.name,
+        &mut simulator,
+        |_, frame| {
+            frames.push(frame.clone());
+            Ok(())
+        },
+    )?;
     Ok(Finished {
         compilation,
         simulator,

@@ -74,6 +74,16 @@ pub struct Fidelity {
     /// Relative residual of the friction law at every contact node. Default: 1e-10; costs few iterations.
     #[schemars(range(min = 1e-14, max = 1e-2))]
     pub friction_tolerance: f64,
+    /// Relative error that the compilation is to meet, e.g. 0.01; default: none, and all settings are as given. The error
+    /// is that of slip rate, displacement of loads and probes, and friction force, at every communication point of `run`
+    /// on its own signals, against a reference ten times as accurate; the tangential stress is not bounded. Given, the
+    /// compilation measures settings and picks the cheapest that meets it, by counted work; it takes seconds to minutes.
+    /// It may change `mesh.cells`, `mesh.grading`, `element`, `time.step` and `fidelity.tolerance`, whatever the scene says of
+    /// them, and nothing else: not geometry, material, loads, contact, scheme, start, kind of model or solver. The model
+    /// carries the scene with what was picked, and says so in its summary.
+    #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub target_error: Option<f64>,
     /// Friction solver. Default: `newton`.
     pub solver: FrictionSolver,
     /// Looks, at every step, for a second solution from all-static and all-kinetic bounds; costs two more solves.
@@ -87,6 +97,7 @@ impl Default for Fidelity {
             model: ModelKind::Auto,
             tolerance: 1e-8,
             friction_tolerance: 1e-10,
+            target_error: None,
             solver: FrictionSolver::default(),
             multiplicity_test: false,
         }
