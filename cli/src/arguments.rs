@@ -22,6 +22,9 @@ pub enum Command {
     Check(SceneChoice),
     /// Pack a scene as an FMU: the shared library, the compiled model, the description, a page, a reference run.
     Fmu(FmuOptions),
+    /// Measure speed against accuracy: meshes, elements, steps, schemes, tolerances and models of a scene on its own signals,
+    /// against a reference that is ten times as accurate.
+    Tradeoff(TradeoffOptions),
     /// Print an embedded example, or without a name list them.
     Example { name: Option<String> },
     /// Print the JSON Schema of scenes.
@@ -81,6 +84,22 @@ pub struct FmuOptions {
     pub library: Option<PathBuf>,
 }
 
+#[derive(Args)]
+pub struct TradeoffOptions {
+    #[command(flatten)]
+    pub choice: SceneChoice,
+    /// Time to spend, s: half of it at most on the reference, then on the settings, cheapest first. The scene itself is
+    /// always measured.
+    #[arg(long, value_name = "SECONDS", default_value = "60", value_parser = parse_budget)]
+    pub budget: f64,
+    /// Write one row per setting measured.
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+    /// Draw the errors against the cost of a run (PNG and SVG).
+    #[arg(long, value_name = "DIR")]
+    pub plots: Option<PathBuf>,
+}
+
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
 pub enum Fmi {
     /// FMI 2.0
@@ -99,6 +118,13 @@ pub struct PaperOptions {
     /// Measure the errors against h = k = 1/64 instead of 1/256.
     #[arg(long)]
     pub quick: bool,
+}
+
+fn parse_budget(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(seconds) if seconds.is_finite() && seconds >= 0.0 => Ok(seconds),
+        _ => Err("expected seconds, 0 or more".to_owned()),
+    }
 }
 
 fn parse_override(text: &str) -> Result<(String, String), String> {

@@ -18,6 +18,16 @@ pub fn warn(text: &str) {
     let _ = writeln!(std::io::stderr().lock(), "stickslip: {text}");
 }
 
+/// A sign that work goes on, invisible unless stderr is a terminal.
+pub fn spinner(what: &str) -> ProgressBar {
+    let spinner = bar(0, what);
+    if let Ok(style) = ProgressStyle::with_template("{spinner} {msg} {elapsed}") {
+        spinner.set_style(style);
+    }
+    spinner.enable_steady_tick(std::time::Duration::from_millis(200));
+    spinner
+}
+
 /// A progress bar of `steps`, invisible unless stderr is a terminal.
 pub fn bar(steps: u64, what: &str) -> ProgressBar {
     let target = if std::io::stderr().is_terminal() {

@@ -16,6 +16,7 @@ mod pictures;
 mod run;
 mod run_pictures;
 mod source;
+mod tradeoff;
 mod vtk;
 
 use arguments::{Arguments, Command};
@@ -39,6 +40,7 @@ fn dispatch(arguments: &Arguments) -> Result<(), Failure> {
         Some(Command::Run(options)) => run::run(options),
         Some(Command::Check(choice)) => check::check(choice),
         Some(Command::Fmu(options)) => fmu::run(options),
+        Some(Command::Tradeoff(options)) => tradeoff::run(options),
         Some(Command::Example { name: None }) => {
             let names: Vec<_> = stickslip::scene::example_names().collect();
             console::say(&names.join("\n"))

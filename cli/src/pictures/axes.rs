@@ -63,7 +63,8 @@ impl Axis {
         });
         let (low, high) = match self.range {
             Some(range) => range,
-            None if low > high => (0.0, 1.0),
+            // nothing to show; a decade, because zero is infinitely far away on a logarithmic axis
+            None if low > high => (0.1, 1.0),
             None if self.is_log => (low / 1.25, high * 1.25),
             None if low == high => (
                 low - 0.5 * low.abs().max(1e-12),
@@ -269,5 +270,21 @@ impl Plane {
             TEXT,
         )?;
         canvas.heading(heading, (left, panel.top + 11.0), Anchor::Left)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_axis_without_data_has_few_ticks() {
+        for axis in [Axis::new("a", "m"), Axis::log("a", "m")] {
+            let ticks = axis
+                .fit([0.0, f64::NAN].into_iter().filter(|v| *v > 0.0))
+                .ticks();
+            assert!((2..=12).contains(&ticks.len()), "{ticks:?}");
+            assert!(ticks.iter().all(|(value, _)| (0.1..=1.0).contains(value)));
+        }
     }
 }

@@ -11,6 +11,8 @@ pub const BLUE: Colour = (0, 114, 178);
 pub const RED: Colour = (213, 94, 0);
 pub const GREEN: Colour = (0, 158, 115);
 pub const ORANGE: Colour = (230, 159, 0);
+pub const SKY: Colour = (86, 180, 233);
+pub const PURPLE: Colour = (204, 121, 167);
 
 /// Colour of an amount in [0, 1], dark for little, bright for much.
 pub fn sequential(amount: f64) -> Colour {

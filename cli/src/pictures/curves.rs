@@ -15,6 +15,10 @@ pub enum Mark {
     Dashed,
     /// A line with a dot at every value.
     Beads,
+    /// A dot at every value.
+    Dots,
+    /// The name beside every value, and not in the legend.
+    Name,
 }
 
 #[derive(Debug, Clone)]
@@ -65,7 +69,8 @@ impl Curves {
         let start = panel.left + 78.0;
         let (mut x, mut row) = (start, 0);
         let mut entries = Vec::new();
-        for series in self.series.iter().filter(|s| !s.name.is_empty()) {
+        let has_entry = |s: &&Series| !s.name.is_empty() && s.mark != Mark::Name;
+        for series in self.series.iter().filter(has_entry) {
             let width = SAMPLE + 24.0 + canvas.text_width(&series.name, SMALL);
             if x > start && x + width > panel.right {
                 (x, row) = (start, row + 1);
@@ -106,9 +111,14 @@ impl Series {
             Mark::Dashed => canvas.dashes(points, self.colour, 1.6)?,
             _ => {}
         }
-        if self.mark == Mark::Beads {
-            for point in points {
-                canvas.dot(*point, 3.2, self.colour)?;
+        for point in points {
+            match self.mark {
+                Mark::Beads | Mark::Dots => canvas.dot(*point, 3.2, self.colour)?,
+                Mark::Name => {
+                    let beside = (point.0 + 7.0, point.1 - 9.0);
+                    canvas.heading(&self.name, beside, Anchor::Left)?;
+                }
+                Mark::Line | Mark::Dashed => {}
             }
         }
         Ok(())
@@ -125,6 +135,8 @@ impl Series {
         match self.mark {
             Mark::Line => canvas.line(&[from, to], self.colour, 2.0),
             Mark::Dashed => canvas.dashes(&[from, to], self.colour, 1.6),
+            Mark::Dots => canvas.dot((x + 0.5 * SAMPLE, y), 3.2, self.colour),
+            Mark::Name => Ok(()),
             Mark::Beads => {
                 canvas.line(&[from, to], self.colour, 2.0)?;
                 canvas.dot((x + 0.5 * SAMPLE, y), 3.2, self.colour)

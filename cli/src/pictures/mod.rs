@@ -6,13 +6,15 @@ mod canvas;
 mod colours;
 mod curves;
 mod map;
+mod notes;
 mod shape;
 
 pub use axes::Axis;
 pub use body::BodyView;
-pub use colours::{BLUE, Colour, GREEN, ORANGE, RED, sequential};
+pub use colours::{BLACK, BLUE, Colour, GREEN, GREY, ORANGE, PURPLE, RED, SKY, sequential};
 pub use curves::{Curves, Mark, Series};
 pub use map::Map;
+pub use notes::Notes;
 pub use shape::Shape;
 
 use crate::failure::Failure;
@@ -35,6 +37,7 @@ pub enum Panel {
     Curves(Curves),
     Map(Map),
     Body(BodyView),
+    Notes(Notes),
 }
 
 /// Rows of panels under a title; sizes in units of the sheet, one unit being one pixel of the PNG.
@@ -138,6 +141,7 @@ impl Sheet {
                     Panel::Curves(curves) => curves.draw(&canvas, frame)?,
                     Panel::Map(map) => map.draw(&canvas, frame)?,
                     Panel::Body(body) => body.draw(&canvas, frame)?,
+                    Panel::Notes(notes) => notes.draw(&canvas, frame)?,
                 }
             }
             top += panel_height + GAP;

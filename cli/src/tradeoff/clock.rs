@@ -1,0 +1,138 @@
+//! Clocks: what a setting costs, and what is left of the budget.
+
+use super::point::{Group, Point};
+use std::collections::HashMap;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+use stickslip::course::{Points, set_loads};
+use stickslip::tradeoff::{Candidate, Reference, Setting, Study};
+use stickslip::{Compilation, Error, Result, Simulator};
+
+/// Compilations and runs are repeated while they take no more than this together, and the fastest counts.
+const LONGEST_REPETITION: Duration = Duration::from_millis(150);
+/// Most repetitions.
+const REPETITIONS: usize = 5;
+
+/// Time to spend.
+pub struct Budget {
+    start: Instant,
+    seconds: f64,
+}
+
+impl Budget {
+    pub fn of(seconds: f64) -> Budget {
+        Budget {
+            start: Instant::now(),
+            seconds,
+        }
+    }
+
+    pub fn seconds(&self) -> f64 {
+        self.seconds
+    }
+
+    pub fn spent(&self) -> f64 {
+        self.start.elapsed().as_secs_f64()
+    }
+
+    /// Whether something that takes `seconds` fits into a share of the budget.
+    pub fn fits(&self, seconds: f64, share: f64) -> bool {
+        self.spent() + seconds <= share * self.seconds
+    }
+}
+
+/// Measures settings; the set-up of a body is measured once.
+pub struct Clock {
+    setups: HashMap<String, Duration>,
+    /// The body of the scene as it is, which many settings share.
+    _given: Candidate,
+}
+
+impl Clock {
+    /// A clock for the settings of a study.
+    pub fn new(study: &mut Study) -> Result<Clock> {
+        Ok(Clock {
+            setups: HashMap::new(),
+            _given: study.compile(&Setting::unchanged())?,
+        })
+    }
+
+    /// Compiles, runs and times a setting.
+    pub fn measure(
+        &mut self,
+        study: &mut Study,
+        reference: &Reference,
+        group: Group,
+        setting: &Setting,
+    ) -> Result<Point> {
+        let body = study.body_of(setting)?;
+        let candidate = study.compile(setting)?;
+        refuse_unstable(&candidate)?;
+        let setup = match self.setups.get(&body) {
+            Some(setup) => *setup,
+            None => fastest(|| {
+                let start = Instant::now();
+                Compilation::new(&candidate.scene)?;
+                Ok(start.elapsed())
+            })?,
+        };
+        self.setups.insert(body, setup);
+        let sample = candidate.run()?;
+        let stepping = fastest(|| step_through(&candidate))?;
+        let model = &candidate.model;
+        Ok(Point {
+            group,
+            setting: setting.clone().needed(study.scene()),
+            verdict: reference.judge(&sample)?,
+            sample,
+            setup,
+            stepping,
+            states: model.states(),
+            contact_nodes: model.contact().node_count(),
+            model_bytes: model.summary().bytes,
+            state_bytes: Simulator::new(Arc::clone(model)).state().byte_len(),
+        })
+    }
+}
+
+/// An explicit scheme beyond its stability limit gives numbers that mean nothing.
+fn refuse_unstable(candidate: &Candidate) -> Result<()> {
+    let step = candidate.scene.time.step;
+    match candidate.model.stability_limit() {
+        Some(limit) if step > limit => Err(Error::Unstable { step, limit }),
+        _ => Ok(()),
+    }
+}
+
+/// Time of the steps of a run.
+fn step_through(candidate: &Candidate) -> Result<Duration> {
+    let scene = &candidate.scene;
+    let points = Points::of(scene);
+    let mut simulator = Simulator::new(Arc::clone(&candidate.model));
+    set_loads(scene, &mut simulator, points.at(0))?;
+    simulator.init(points.at(0))?;
+    let mut stepping = Duration::ZERO;
+    for n in 1..=points.count {
+        let (from, to) = (simulator.time(), points.at(n));
+        set_loads(scene, &mut simulator, to)?;
+        let start = Instant::now();
+        simulator.do_step(from, to - from)?;
+        stepping += start.elapsed();
+    }
+    Ok(stepping)
+}
+
+/// The least of a few measurements.
+fn fastest(mut measure: impl FnMut() -> Result<Duration>) -> Result<Duration> {
+    let mut least = measure()?;
+    let mut total = least;
+    for _ in 1..REPETITIONS {
+        if total + least > LONGEST_REPETITION {
+            break;
+        }
+        let next = measure()?;
+        total += next;
+        least = least.min(next);
+    }
+    Ok(least)
+}

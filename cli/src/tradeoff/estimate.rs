@@ -1,0 +1,107 @@
+//! What a setting will cost before it is compiled, roughly: for the order of the measurements and to keep them within the
+//! budget and the memory.
+
+use stickslip::Scene;
+use stickslip::course::Points;
+use stickslip::scene::{ModelKind, Scheme};
+
+/// Responses per contact component that a reduction puts together.
+const RESPONSES: f64 = 8.0;
+/// Memory that a setting may take, bytes.
+pub const MEMORY: f64 = 2e9;
+/// Stages of which a simulator keeps the contact operator, and copies of it elsewhere.
+const OPERATORS: f64 = 12.0;
+
+/// Cost of compiling and running a setting.
+#[derive(Debug, Clone, Copy)]
+pub struct Estimate {
+    pub multiplications: f64,
+    pub bytes: f64,
+}
+
+impl Estimate {
+    /// The estimate for a scene that is compiled once and run as often as `runs` says.
+    pub fn of(scene: &Scene, runs: f64) -> Estimate {
+        let (nodes, contact) = sizes(scene);
+        let friction = 0.1 * contact.powi(3);
+        let factorization = match scene.mesh.dimension() {
+            2 => 100.0 * nodes * nodes.sqrt(),
+            _ => 70.0 * nodes * nodes,
+        };
+        let (setup, per_step, responses) = match scene.fidelity.model {
+            ModelKind::Full | ModelKind::Condensed => (
+                factorization + contact.powi(3),
+                100.0 * nodes * nodes.ln() + friction,
+                0.0,
+            ),
+            ModelKind::Reduced | ModelKind::Auto => (
+                factorization + 500.0 * nodes * contact + 100.0 * contact.powi(3),
+                20.0 * contact * contact + friction,
+                RESPONSES * contact,
+            ),
+        };
+        let operators = OPERATORS * contact * contact + 3.0 * responses * responses;
+        Estimate {
+            multiplications: setup + runs * steps(scene) * per_step,
+            bytes: 8.0 * (factorization.powf(2.0 / 3.0) * 20.0 + operators),
+        }
+    }
+}
+
+/// Converts estimates into seconds by what was measured so far.
+#[derive(Debug)]
+pub struct Speed {
+    spent: f64,
+    multiplications: f64,
+}
+
+/// Seconds per multiplication before anything was measured.
+const PRIOR: f64 = 1e-9;
+/// Largest factor by which measurements lower it: small settings tell little about large ones.
+const TRUST: f64 = 4.0;
+
+impl Speed {
+    pub fn unknown() -> Speed {
+        Speed {
+            spent: 0.0,
+            multiplications: 0.0,
+        }
+    }
+
+    pub fn learn(&mut self, estimate: &Estimate, seconds: f64) {
+        self.spent += seconds;
+        self.multiplications += estimate.multiplications;
+    }
+
+    /// Seconds that something will take.
+    pub fn seconds(&self, estimate: &Estimate) -> f64 {
+        let measured = match self.multiplications > 0.0 {
+            true => self.spent / self.multiplications,
+            false => PRIOR,
+        };
+        estimate.multiplications * measured.max(PRIOR / TRUST)
+    }
+}
+
+/// Stages of a run.
+fn steps(scene: &Scene) -> f64 {
+    let stages = match scene.time.scheme {
+        Scheme::TrBdf2 => 2.0,
+        _ => 1.0,
+    };
+    let points = Points::of(scene);
+    stages * points.count as f64 * (points.step / scene.time.step).max(1.0)
+}
+
+/// Nodes of the mesh and tangential contact components.
+fn sizes(scene: &Scene) -> (f64, f64) {
+    let dimension = scene.mesh.dimension();
+    let normal = scene.mesh.normal_axis(&scene.contact.part);
+    let along = scene.mesh.cells().iter().enumerate();
+    let contact: f64 = along
+        .filter(|(axis, _)| normal.is_none_or(|n| n.index() != *axis))
+        .map(|(_, cells)| scene.element.nodes_along(*cells) as f64)
+        .product();
+    let nodes = scene.mesh.node_bound(scene.element) as f64;
+    (nodes, contact * (dimension - 1) as f64)
+}

@@ -1,0 +1,56 @@
+//! `stickslip tradeoff`: speed against accuracy, measured.
+//!
+//! The library compares runs and counts their work (`stickslip::tradeoff`); here are the clocks, the choice of settings,
+//! the budget, and what is told of them.
+
+mod advice;
+mod clock;
+mod estimate;
+mod file;
+mod picture;
+mod plan;
+mod point;
+mod survey;
+mod table;
+
+use crate::arguments::TradeoffOptions;
+use crate::console;
+use crate::failure::Failure;
+use crate::source;
+use clock::Budget;
+use stickslip::tradeoff::{Reference, Study};
+use survey::{Refined, Survey};
+
+/// Share of the budget that the reference may use before there is anything else.
+const SHARE_OF_REFERENCE: f64 = 0.5;
+
+pub fn run(options: &TradeoffOptions) -> Result<(), Failure> {
+    let name = options.choice.scene.as_str();
+    let scene = source::scene(&options.choice, &[])?;
+    let budget = Budget::of(options.budget);
+    let mut study = Study::new(&scene);
+
+    let (reference, found) = measure(&mut study, &budget).map_err(Failure::of(name))?;
+
+    if let Some(path) = &options.csv {
+        file::write(path, study.scene(), &found.points)?;
+    }
+    if let Some(folder) = &options.plots {
+        picture::draw(folder, &scene.name, &found.points)?;
+    }
+    console::say(&table::reference(&scene.name, &reference))?;
+    console::say(&format!("\n{}", table::settings(&found.points)))?;
+    console::say(&format!("\n{}", advice::sentences(&found.points)))?;
+    console::say(&format!("\n{}", table::left_out(&found, &budget)))
+}
+
+/// The reference first, then the settings, then what is left of the budget for the reference.
+fn measure(study: &mut Study, budget: &Budget) -> stickslip::Result<(Reference, Survey)> {
+    let mut refined = Refined::new(study)?;
+    refined.refine(study, budget, SHARE_OF_REFERENCE)?;
+    let mut found = survey::settings(study, &refined.reference, budget)?;
+    if refined.refine(study, budget, 1.0)? {
+        found.judge(&refined.reference)?;
+    }
+    Ok((refined.reference, found))
+}

@@ -1,0 +1,109 @@
+//! The work-precision picture: error against cost, with the Pareto front and its settings.
+
+use super::point::{Group, Point, front};
+use crate::failure::Failure;
+use crate::pictures::{
+    Axis, BLACK, BLUE, Colour, Curves, GREEN, GREY, Mark, Notes, ORANGE, PURPLE, Panel, RED, SKY,
+    Series, Sheet,
+};
+use std::path::Path;
+use stickslip::tradeoff::Quantity;
+
+/// Quantities drawn.
+const DRAWN: [Quantity; 2] = [Quantity::SlipRate, Quantity::Displacement];
+
+/// Draws `tradeoff.png` and `tradeoff.svg` into a folder.
+pub fn draw(folder: &Path, name: &str, points: &[Point]) -> Result<(), Failure> {
+    let failed = Failure::writing(folder);
+    std::fs::create_dir_all(folder).map_err(|e| failed(&e))?;
+    let panels = DRAWN.map(|quantity| Panel::Curves(curves(points, quantity)));
+    let notes = DRAWN.map(|quantity| Panel::Notes(notes(points, quantity)));
+    let longest = DRAWN.map(|q| front(points, &[q]).len()).into_iter().max();
+    let room = Notes::height(longest.unwrap_or(0) + 1);
+    Sheet {
+        title: format!("{name}: error against cost"),
+        width: 1300,
+        height: 620 + room as u32,
+        rows: vec![(560.0, panels.into()), (room, notes.into())],
+    }
+    .save(folder, "tradeoff")
+}
+
+fn colour(group: Group) -> Colour {
+    match group {
+        Group::AsGiven => BLACK,
+        Group::Cells => RED,
+        Group::Mesh => SKY,
+        Group::Step => ORANGE,
+        Group::Scheme => PURPLE,
+        Group::Tolerance => GREEN,
+        Group::Model => GREY,
+        Group::Joint => BLUE,
+    }
+}
+
+fn curves(points: &[Point], quantity: Quantity) -> Curves {
+    let place = |p: &Point| Some((p.cost(), p.figure(&[quantity])?));
+    let front = front(points, &[quantity]);
+    let mut series = vec![Series {
+        name: "Pareto front".to_owned(),
+        colour: GREY,
+        mark: Mark::Dashed,
+        points: front.iter().filter_map(|p| place(p)).collect(),
+    }];
+    // the scene itself last, so that it is on top
+    for group in Group::ALL.into_iter().rev() {
+        let of = points.iter().filter(|p| p.group == group);
+        let places: Vec<_> = of.filter_map(place).collect();
+        if !places.is_empty() {
+            series.push(Series {
+                name: group.name().to_owned(),
+                colour: colour(group),
+                mark: Mark::Dots,
+                points: places,
+            });
+        }
+    }
+    let names = front.iter().zip(letters()).map(|(point, letter)| Series {
+        name: letter,
+        colour: BLACK,
+        mark: Mark::Name,
+        points: place(point).into_iter().collect(),
+    });
+    series.extend(names);
+    Curves {
+        heading: format!("Error in {}", quantity.name()),
+        x: Axis::log("time of the steps of one second", "s"),
+        y: Axis::log("relative error", ""),
+        series,
+    }
+}
+
+fn notes(points: &[Point], quantity: Quantity) -> Notes {
+    let on_front = front(points, &[quantity]);
+    let lines = on_front
+        .iter()
+        .zip(letters())
+        .filter_map(|(point, letter)| {
+            let error = point.figure(&[quantity])?;
+            Some(format!("{letter}  {error:.1e}: {}", point.label()))
+        });
+    let unknown = points
+        .iter()
+        .filter(|p| p.verdict.of(quantity).is_some() && p.figure(&[quantity]).is_none());
+    let unknown = match unknown.count() {
+        0 => None,
+        n => Some(format!(
+            "{n} settings at the limit of the reference are not drawn"
+        )),
+    };
+    Notes {
+        lines: lines.chain(unknown).collect(),
+    }
+}
+
+/// Names of the points of a front: A, B, ..., then numbers.
+fn letters() -> impl Iterator<Item = String> {
+    let letters = ('A'..='Z').map(String::from);
+    letters.chain((27..).map(|n: u32| n.to_string()))
+}
