@@ -198,14 +198,14 @@ fn mistakes_are_told_as_by_the_other_commands() {
 #[test]
 fn a_target_is_told_with_what_was_picked() {
     let shell = Shell::new();
-    let asked = ["--set", "fidelity.target_error=0.1"];
+    let asked = ["--set", "fidelity.target_error=0.2"];
     for command in ["run", "check"] {
         let printed = shell.succeed(&[&[command], &SMALL[1..], &asked].concat());
         let row = printed
             .lines()
             .find(|line| line.trim_start().starts_with("target error"))
             .unwrap();
-        for promised in ["0.1: picked ", "settings", "slip rate", "friction force"] {
+        for promised in ["0.2: picked ", "settings", "slip rate", "friction force"] {
             assert!(row.contains(promised), "{promised} is not in {row}");
         }
     }
@@ -214,6 +214,8 @@ fn a_target_is_told_with_what_was_picked() {
         "brake_pad_3d",
         "--set",
         "fidelity.target_error=0.001",
+        "--set",
+        "run.until=0.1",
     ]);
     assert!(
         line.contains("at fidelity.target_error: found 0.001"),

@@ -7,7 +7,7 @@ use super::trajectory::{Trajectory, run};
 use crate::course::Points;
 use crate::error::{Error, Result};
 use crate::model::{Compilation, Model};
-use crate::scene::{Fidelity, History, Interpolation, Run, Scene, Scheme, Signal, Start, Time};
+use crate::scene::{Fidelity, History, Interpolation, Run, Scene, Scheme, Signal, Start};
 use std::collections::BTreeMap;
 use std::sync::{Arc, Weak};
 
@@ -202,11 +202,9 @@ fn has_free_communication(scene: &Scene) -> bool {
 /// Equal for scenes that give the same body.
 fn body_key(scene: &Scene) -> String {
     let mut key = scene.clone();
-    key.time = Time {
-        scheme: Scheme::default(),
-        start: Start::default(),
-        step: 1.0,
-    };
+    key.time.scheme = Scheme::default();
+    key.time.start = Start::default();
+    key.time.step = 1.0;
     let fidelity = Fidelity::default();
     key.fidelity.friction_tolerance = fidelity.friction_tolerance;
     key.fidelity.solver = fidelity.solver;

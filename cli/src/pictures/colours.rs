@@ -12,6 +12,7 @@ pub const RED: Colour = (213, 94, 0);
 pub const GREEN: Colour = (0, 158, 115);
 pub const ORANGE: Colour = (230, 159, 0);
 pub const SKY: Colour = (86, 180, 233);
+pub const BROWN: Colour = (140, 86, 75);
 pub const PURPLE: Colour = (204, 121, 167);
 
 /// Colour of an amount in [0, 1], dark for little, bright for much.

@@ -17,8 +17,8 @@ pub enum Mark {
     Beads,
     /// A dot at every value.
     Dots,
-    /// The name beside every value, and not in the legend.
-    Name,
+    /// The name below and left of every value, this far left, and not in the legend.
+    Name(f64),
 }
 
 #[derive(Debug, Clone)]
@@ -69,7 +69,7 @@ impl Curves {
         let start = panel.left + 78.0;
         let (mut x, mut row) = (start, 0);
         let mut entries = Vec::new();
-        let has_entry = |s: &&Series| !s.name.is_empty() && s.mark != Mark::Name;
+        let has_entry = |s: &&Series| !s.name.is_empty() && !matches!(s.mark, Mark::Name(_));
         for series in self.series.iter().filter(has_entry) {
             let width = SAMPLE + 24.0 + canvas.text_width(&series.name, SMALL);
             if x > start && x + width > panel.right {
@@ -114,9 +114,9 @@ impl Series {
         for point in points {
             match self.mark {
                 Mark::Beads | Mark::Dots => canvas.dot(*point, 3.2, self.colour)?,
-                Mark::Name => {
-                    let beside = (point.0 + 7.0, point.1 - 9.0);
-                    canvas.heading(&self.name, beside, Anchor::Left)?;
+                Mark::Name(left) => {
+                    let beside = (point.0 - left, point.1 + 6.0);
+                    canvas.heading(&self.name, beside, Anchor::Right)?;
                 }
                 Mark::Line | Mark::Dashed => {}
             }
@@ -136,7 +136,7 @@ impl Series {
             Mark::Line => canvas.line(&[from, to], self.colour, 2.0),
             Mark::Dashed => canvas.dashes(&[from, to], self.colour, 1.6),
             Mark::Dots => canvas.dot((x + 0.5 * SAMPLE, y), 3.2, self.colour),
-            Mark::Name => Ok(()),
+            Mark::Name(_) => Ok(()),
             Mark::Beads => {
                 canvas.line(&[from, to], self.colour, 2.0)?;
                 canvas.dot((x + 0.5 * SAMPLE, y), 3.2, self.colour)

@@ -11,7 +11,7 @@ mod shape;
 
 pub use axes::Axis;
 pub use body::BodyView;
-pub use colours::{BLACK, BLUE, Colour, GREEN, GREY, ORANGE, PURPLE, RED, SKY, sequential};
+pub use colours::{BLACK, BLUE, BROWN, Colour, GREEN, GREY, ORANGE, PURPLE, RED, SKY, sequential};
 pub use curves::{Curves, Mark, Series};
 pub use map::Map;
 pub use notes::Notes;

@@ -36,7 +36,7 @@ pub fn run(options: &TradeoffOptions) -> Result<(), Failure> {
         file::write(path, study.scene(), &found.points)?;
     }
     if let Some(folder) = &options.plots {
-        picture::draw(folder, &scene.name, &found.points)?;
+        picture::draw(folder, &scene.name, &found.points, &reference)?;
     }
     console::say(&table::reference(&scene.name, &reference))?;
     console::say(&format!("\n{}", table::settings(&found.points)))?;

@@ -3,20 +3,28 @@
 use super::point::{Group, Point, front};
 use crate::failure::Failure;
 use crate::pictures::{
-    Axis, BLACK, BLUE, Colour, Curves, GREEN, GREY, Mark, Notes, ORANGE, PURPLE, Panel, RED, SKY,
-    Series, Sheet,
+    Axis, BLACK, BLUE, BROWN, Colour, Curves, GREEN, GREY, Mark, Notes, ORANGE, PURPLE, Panel, RED,
+    SKY, Series, Sheet,
 };
 use std::path::Path;
-use stickslip::tradeoff::Quantity;
+use stickslip::tradeoff::{MARGIN, Quantity, Reference};
 
 /// Quantities drawn.
 const DRAWN: [Quantity; 2] = [Quantity::SlipRate, Quantity::Displacement];
 
 /// Draws `tradeoff.png` and `tradeoff.svg` into a folder.
-pub fn draw(folder: &Path, name: &str, points: &[Point]) -> Result<(), Failure> {
+pub fn draw(
+    folder: &Path,
+    name: &str,
+    points: &[Point],
+    reference: &Reference,
+) -> Result<(), Failure> {
     let failed = Failure::writing(folder);
     std::fs::create_dir_all(folder).map_err(|e| failed(&e))?;
-    let panels = DRAWN.map(|quantity| Panel::Curves(curves(points, quantity)));
+    let panels = DRAWN.map(|quantity| {
+        let limit = reference.uncertainty(quantity).map(|u| MARGIN * u);
+        Panel::Curves(curves(points, quantity, limit))
+    });
     let notes = DRAWN.map(|quantity| Panel::Notes(notes(points, quantity)));
     let longest = DRAWN.map(|q| front(points, &[q]).len()).into_iter().max();
     let room = Notes::height(longest.unwrap_or(0) + 1);
@@ -32,7 +40,7 @@ pub fn draw(folder: &Path, name: &str, points: &[Point]) -> Result<(), Failure> 
 fn colour(group: Group) -> Colour {
     match group {
         Group::AsGiven => BLACK,
-        Group::Cells => RED,
+        Group::Cells => BROWN,
         Group::Mesh => SKY,
         Group::Step => ORANGE,
         Group::Scheme => PURPLE,
@@ -42,7 +50,7 @@ fn colour(group: Group) -> Colour {
     }
 }
 
-fn curves(points: &[Point], quantity: Quantity) -> Curves {
+fn curves(points: &[Point], quantity: Quantity, limit: Option<f64>) -> Curves {
     let place = |p: &Point| Some((p.cost(), p.figure(&[quantity])?));
     let front = front(points, &[quantity]);
     let mut series = vec![Series {
@@ -51,6 +59,26 @@ fn curves(points: &[Point], quantity: Quantity) -> Curves {
         mark: Mark::Dashed,
         points: front.iter().filter_map(|p| place(p)).collect(),
     }];
+    let (least, most) = points
+        .iter()
+        .filter_map(place)
+        .fold((f64::INFINITY, 0.0_f64), |(l, m), p| {
+            (l.min(p.0), m.max(p.0))
+        });
+    if let Some(limit) = limit.filter(|l| l.is_finite() && least < most) {
+        series.push(Series {
+            name: "limit of the reference".to_owned(),
+            colour: RED,
+            mark: Mark::Dashed,
+            points: vec![(least, limit), (most, limit)],
+        });
+    }
+    let x = Axis::log("time of the steps of one second", "s");
+    let x = match least < most {
+        // room for the names of the cheapest points
+        true => x.between(0.4 * least, 1.4 * most),
+        false => x,
+    };
     // the scene itself last, so that it is on top
     for group in Group::ALL.into_iter().rev() {
         let of = points.iter().filter(|p| p.group == group);
@@ -64,16 +92,19 @@ fn curves(points: &[Point], quantity: Quantity) -> Curves {
             });
         }
     }
-    let names = front.iter().zip(letters()).map(|(point, letter)| Series {
+    // left of a falling front there is nothing; neighbours stand side by side
+    let lefts = [6.0, 19.0].into_iter().cycle();
+    let names = front.iter().zip(letters()).zip(lefts);
+    let names = names.map(|((point, letter), left)| Series {
         name: letter,
         colour: BLACK,
-        mark: Mark::Name,
+        mark: Mark::Name(left),
         points: place(point).into_iter().collect(),
     });
     series.extend(names);
     Curves {
         heading: format!("Error in {}", quantity.name()),
-        x: Axis::log("time of the steps of one second", "s"),
+        x,
         y: Axis::log("relative error", ""),
         series,
     }
