@@ -86,6 +86,8 @@ fn a_shared_body_changes_no_bit() {
     for (path, value) in [
         ("time.step", "0.0625"),
         ("time.scheme", "tr_bdf2"),
+        ("time.tolerance", "1e-3"),
+        ("time.error_estimate", "true"),
         ("fidelity.friction_tolerance", "1e-4"),
         ("fidelity.tolerance", "1e-4"),
         ("mesh.cells", "[4,2]"),

@@ -177,9 +177,9 @@ impl Model {
         self.history_capacity
     }
 
-    /// Multiplications of one internal step, friction iterations apart.
-    pub fn step_multiplications(&self) -> usize {
-        self.tableau.stages().len() * self.body.stage_multiplications()
+    /// Multiplications of one stage, friction iterations apart.
+    pub fn stage_multiplications(&self) -> usize {
+        self.body.stage_multiplications()
     }
 
     pub(crate) fn body(&self) -> &dyn BodyModel {

@@ -298,6 +298,8 @@ fn setting_of(study: &Study, family: &Family, space: u32, time: u32) -> Setting 
         .with("mesh.cells", cells(scene, 0.5 * 2f64.powi(space as i32)))
         .with("time.scheme", "tr_bdf2")
         .with("time.step", format!("{step:?}"))
+        .with("time.tolerance", "null")
+        .with("time.error_estimate", "null")
         .with("fidelity.model", model)
         .with("fidelity.friction_tolerance", "1e-10")
 }

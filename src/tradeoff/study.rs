@@ -7,7 +7,7 @@ use super::trajectory::{Trajectory, run};
 use crate::course::Points;
 use crate::error::{Error, Result};
 use crate::model::{Compilation, Model};
-use crate::scene::{Fidelity, History, Interpolation, Run, Scene, Scheme, Signal, Start};
+use crate::scene::{Fidelity, History, Interpolation, Run, Scene, Scheme, Signal, Start, Time};
 use std::collections::BTreeMap;
 use std::sync::{Arc, Weak};
 
@@ -151,13 +151,15 @@ impl Study {
 }
 
 impl Candidate {
-    /// Multiplications of a run without any friction iteration.
+    /// Multiplications of a run without any friction iteration and with the longest steps.
     pub fn least_multiplications(&self) -> f64 {
         let points = Points::of(&self.scene);
-        let steps = (points.step / self.model.largest_step() * (1.0 - 1e-9))
-            .ceil()
-            .max(1.0);
-        points.count as f64 * steps * self.model.step_multiplications() as f64
+        // steps that a tolerance chooses come in pairs
+        let at_once = self.model.tolerance().map_or(1.0, |_| 2.0);
+        let parts = points.step / (at_once * self.model.largest_step()) * (1.0 - 1e-9);
+        let stages = at_once * self.model.tableau().stages().len() as f64;
+        let per_step = parts.ceil().max(1.0) * stages * self.model.stage_multiplications() as f64;
+        points.count as f64 * per_step
     }
 
     /// Runs the setting to the end of the scene.
@@ -202,9 +204,13 @@ fn has_free_communication(scene: &Scene) -> bool {
 /// Equal for scenes that give the same body.
 fn body_key(scene: &Scene) -> String {
     let mut key = scene.clone();
-    key.time.scheme = Scheme::default();
-    key.time.start = Start::default();
-    key.time.step = 1.0;
+    key.time = Time {
+        scheme: Scheme::default(),
+        start: Start::default(),
+        step: 1.0,
+        tolerance: None,
+        error_estimate: None,
+    };
     let fidelity = Fidelity::default();
     key.fidelity.friction_tolerance = fidelity.friction_tolerance;
     key.fidelity.solver = fidelity.solver;

@@ -38,11 +38,12 @@ impl Instant {
 /// Operations of a run; the same on every machine. Multiplications are counted, not measured.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Work {
-    /// Internal steps.
+    /// Internal steps, those that were undone apart.
     pub steps: u64,
-    /// Friction iterations.
+    /// Friction iterations, those of undone steps and of the error estimate included.
     pub iterations: u64,
-    /// Multiplications of the steps: the model of the body twice per stage, the contact operator once per iteration.
+    /// Multiplications of the steps, of undone steps and of the error estimate too: the model of the body twice per stage,
+    /// the contact operator once per iteration.
     pub multiplications: f64,
 }
 
@@ -86,7 +87,7 @@ pub fn run(scene: &Scene, model: &Arc<Model>, stride: u64) -> Result<Trajectory>
     }
     work.steps = simulator.internal_steps();
     let contact = model.contact().len() as f64;
-    work.multiplications = work.steps as f64 * model.step_multiplications() as f64
+    work.multiplications = simulator.stage_solves() as f64 * model.stage_multiplications() as f64
         + work.iterations as f64 * contact * contact;
     Ok(Trajectory {
         instants,
