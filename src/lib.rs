@@ -69,6 +69,7 @@ pub mod tradeoff;
 mod workspace;
 
 pub use error::{Error, ErrorCode, Result};
+pub use friction::newton::Work;
 pub use model::{Compilation, Model, compile};
 pub use scene::Scene;
 pub use simulator::{Past, Simulator};

@@ -3,6 +3,7 @@
 use crate::companion::{Alone, Companion};
 use crate::error::{Error, Result};
 use crate::error_estimate;
+use crate::friction::newton::Work;
 use crate::model::Model;
 use crate::ports::Quantity;
 use crate::readout;
@@ -21,7 +22,7 @@ const SAME_INSTANT: f64 = 1e-6;
 pub struct Simulator {
     model: Arc<Model>,
     state: State,
-    /// The state before the last step, for derivatives of it.
+    /// The state before the last step, its recorded past apart, for derivatives of it.
     previous: State,
     /// Size of the last step; `None` when the state is not the end of a step of this simulator.
     last_step: Option<f64>,
@@ -235,9 +236,10 @@ impl Simulator {
         &mut self,
         change: impl FnOnce(&Model, &mut State, &mut Workspace) -> Result<()>,
     ) -> Result<()> {
-        self.trial.copy_from(&self.state)?;
+        self.trial.copy_present_from(&self.state)?;
         change(&self.model, &mut self.trial, &mut self.workspace)?;
         std::mem::swap(&mut self.state, &mut self.trial);
+        self.state.take_past(&mut self.trial);
         Ok(())
     }
 
@@ -377,7 +379,7 @@ impl Simulator {
                 expected: "do_step first (init, restore and reset leave no step behind)",
             });
         };
-        self.trial.copy_from(&self.previous)?;
+        self.trial.copy_present_from(&self.previous)?;
         let (trial, workspace) = (&mut self.trial, &mut self.workspace);
         step::advance(&self.model, trial, workspace, step, companion)
     }
@@ -398,6 +400,11 @@ impl Simulator {
     /// Empty unless kept.
     pub fn iterates(&self) -> impl Iterator<Item = (&[f64], &[f64])> {
         self.workspace.fixed_point.iterates()
+    }
+
+    /// Work done so far by the default friction solver.
+    pub fn friction_work(&self) -> Work {
+        self.workspace.newton.work()
     }
 
     /// Internal steps since the start of the simulation; part of the state.

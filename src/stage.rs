@@ -1,6 +1,7 @@
 //! One implicit stage: predict the free motion, solve friction on the contact, correct the body.
 
 use crate::error::{Error, Result};
+use crate::friction::linearisation::Linearisation;
 use crate::friction::{ContactProblem, Law, fixed_point, multiplicity, newton, problem::norm};
 use crate::model::{Model, SolverSettings};
 use crate::state::{State, report};
@@ -45,6 +46,7 @@ pub(crate) fn solve_stage(
             *tolerance,
             *max_iterations,
             &mut velocity.contact,
+            &mut Linearisation::of(&mut state.linearisation, theta_k),
             &mut ws.newton,
         ),
         SolverSettings::FixedPoint(settings) => {

@@ -5,6 +5,7 @@
 use crate::bytes::{Frame, HEADER, OVERHEAD, Reader};
 use crate::error::{Error, Result};
 use crate::friction::law::MAX_COEFFICIENTS;
+use crate::friction::linearisation::no_points;
 use crate::model::Model;
 
 const FRAME: Frame = Frame {
@@ -52,6 +53,8 @@ pub struct State {
     pub(crate) energy: Vec<f64>,
     /// Coefficients of the friction law.
     pub(crate) coefficients: Vec<f64>,
+    /// Points at which the friction solver last factored its matrix (see `friction::linearisation`).
+    pub(crate) linearisation: Vec<f64>,
     /// Account of the last communication step; see [`report`].
     pub(crate) report: Vec<f64>,
     /// What step control and error estimate remember; see [`control`].
@@ -71,6 +74,7 @@ pub(crate) struct Second {
     pub force: Vec<f64>,
     pub accumulated_slip: Vec<f64>,
     pub output_velocity: Vec<f64>,
+    pub linearisation: Vec<f64>,
 }
 
 /// Places in `State::energy`.
@@ -105,7 +109,7 @@ pub(crate) mod control {
 }
 
 const COUNTERS: usize = 5;
-const BLOCKS: usize = 21;
+const BLOCKS: usize = 23;
 /// How many of them, the first ones, internal steps change.
 const STEPPED: usize = BLOCKS - 3;
 
@@ -135,6 +139,7 @@ impl State {
             output_velocity: vec![0.0; outputs],
             energy: vec![0.0; energy::COUNT],
             coefficients: model.law().coefficients().to_vec(),
+            linearisation: no_points(nodes, model.contact().components),
             report: vec![0.0; report::COUNT],
             control: vec![0.0; control::COUNT],
             second: if model.has_error_estimate() {
@@ -145,6 +150,7 @@ impl State {
                     force: vec![0.0; contact],
                     accumulated_slip: vec![0.0; nodes],
                     output_velocity: vec![0.0; outputs],
+                    linearisation: no_points(nodes, model.contact().components),
                 }
             } else {
                 Second::default()
@@ -178,6 +184,7 @@ impl State {
             (&mut self.force, &mut second.force),
             (&mut self.accumulated_slip, &mut second.accumulated_slip),
             (&mut self.output_velocity, &mut second.output_velocity),
+            (&mut self.linearisation, &mut second.linearisation),
         ] {
             std::mem::swap(a, b);
         }
@@ -193,6 +200,7 @@ impl State {
             (&mut second.force, &self.force),
             (&mut second.accumulated_slip, &self.accumulated_slip),
             (&mut second.output_velocity, &self.output_velocity),
+            (&mut second.linearisation, &self.linearisation),
         ] {
             to.copy_from_slice(from);
         }
@@ -213,12 +221,14 @@ impl State {
             &self.output_velocity,
             &self.energy,
             &self.coefficients,
+            &self.linearisation,
             &self.second.displacement,
             &self.second.velocity,
             &self.second.slip_rate,
             &self.second.force,
             &self.second.accumulated_slip,
             &self.second.output_velocity,
+            &self.second.linearisation,
             &self.report,
             &self.control,
             &self.history,
@@ -239,12 +249,14 @@ impl State {
             &mut self.output_velocity,
             &mut self.energy,
             &mut self.coefficients,
+            &mut self.linearisation,
             &mut self.second.displacement,
             &mut self.second.velocity,
             &mut self.second.slip_rate,
             &mut self.second.force,
             &mut self.second.accumulated_slip,
             &mut self.second.output_velocity,
+            &mut self.second.linearisation,
             &mut self.report,
             &mut self.control,
             &mut self.history,
@@ -276,12 +288,36 @@ impl State {
     /// # Errors
     /// [`Error::Fingerprint`] (and nothing copied) when it is the state of another model.
     pub(crate) fn copy_from(&mut self, other: &State) -> Result<()> {
+        self.copy_present_from(other)?;
+        self.history.copy_from_slice(&other.history);
+        Ok(())
+    }
+
+    /// Copies another state of the same model but for its recorded past, of which only what is recorded from now on will
+    /// be of use: see [`State::take_past`].
+    ///
+    /// # Errors
+    /// Those of [`State::copy_from`].
+    pub(crate) fn copy_present_from(&mut self, other: &State) -> Result<()> {
         self.check_fingerprint(other.fingerprint)?;
-        for (to, from) in self.blocks_mut().into_iter().zip(other.blocks()) {
+        let blocks = self.blocks_mut().into_iter().zip(other.blocks());
+        for (to, from) in blocks.take(BLOCKS - 1) {
             to.copy_from_slice(from);
         }
         self.set_counters(other.counters());
         Ok(())
+    }
+
+    /// Takes over the recorded past of the state this one began as, and adds to it what has been recorded since.
+    pub(crate) fn take_past(&mut self, before: &mut State) {
+        std::mem::swap(&mut self.history, &mut before.history);
+        let row = history_row(self.slip.len());
+        let capacity = (self.history.len() / row) as u64;
+        let new = before.recorded.max(self.recorded.saturating_sub(capacity))..self.recorded;
+        for record in new {
+            let at = (record % capacity) as usize * row;
+            self.history[at..at + row].copy_from_slice(&before.history[at..at + row]);
+        }
     }
 
     /// Copies all that internal steps change of another state of the same model. Not the account of the communication step

@@ -75,32 +75,26 @@ impl Velocity {
         self.load.copy_from_slice(&other.load);
     }
 
-    pub fn clear(&mut self) {
-        for part in self.parts() {
-            part.fill(0.0);
-        }
-    }
-
     /// The mean over a step (weights b_j) of the velocities at its start and its stages.
     pub fn set_mean(&mut self, tableau: &Tableau, velocities: &[Velocity]) {
-        self.clear();
         let count = tableau.stages().len() + 1;
         for (j, velocity) in velocities[..count].iter().enumerate() {
-            self.add(tableau.weight(j), velocity);
-        }
-    }
-
-    /// Adds `weight` times another.
-    fn add(&mut self, weight: f64, other: &Velocity) {
-        let others = [
-            &other.body,
-            &other.contact,
-            &other.force,
-            &other.outputs,
-            &other.load,
-        ];
-        for (to, from) in self.parts().into_iter().zip(others) {
-            to.iter_mut().zip(from).for_each(|(t, f)| *t += weight * f);
+            let weight = tableau.weight(j);
+            let others = [
+                &velocity.body,
+                &velocity.contact,
+                &velocity.force,
+                &velocity.outputs,
+                &velocity.load,
+            ];
+            for (to, from) in self.parts().into_iter().zip(others) {
+                let pairs = to.iter_mut().zip(from);
+                if j == 0 {
+                    pairs.for_each(|(t, f)| *t = weight * f);
+                } else {
+                    pairs.for_each(|(t, f)| *t += weight * f);
+                }
+            }
         }
     }
 

@@ -6,6 +6,7 @@
 //! holds to the same digits, which is why this is not the default solver.
 
 use super::law::{FrictionLaw, FrozenBounds};
+use super::linearisation::{Linearisation, block_len};
 use super::newton::{Solution, Workspace, solve as solve_newton};
 use super::problem::{ContactProblem, norm};
 use crate::scene::FixedPointStop;
@@ -26,6 +27,8 @@ pub struct FixedPoint {
 pub struct FixedPointWorkspace {
     bounds: Vec<f64>,
     force: Vec<f64>,
+    /// Point of linearisation of the inner solver.
+    blocks: Vec<f64>,
     /// Slip rates and forces of the iterates of the last solve, one after the other; `None` unless asked for.
     trace: Option<Vec<f64>>,
 }
@@ -35,6 +38,7 @@ impl FixedPointWorkspace {
         FixedPointWorkspace {
             bounds: vec![0.0; nodes],
             force: vec![0.0; contact_len],
+            blocks: vec![0.0; nodes * block_len(contact_len / nodes)],
             trace: None,
         }
     }
@@ -70,6 +74,7 @@ pub fn solve<L: FrictionLaw>(
         trace.clear();
     }
     let c = problem.components;
+    let mut at = Linearisation::fresh(&mut own.blocks, problem.theta_k);
     let mut iterations = 0;
     let mut has_settled = false;
     while !has_settled && iterations < settings.max_iterations {
@@ -87,7 +92,7 @@ pub fn solve<L: FrictionLaw>(
             slip_base: problem.slip_base,
             theta_k: problem.theta_k,
         };
-        let inner = solve_newton(&frozen, INNER_TOLERANCE, INNER_ITERATIONS, w, ws);
+        let inner = solve_newton(&frozen, INNER_TOLERANCE, INNER_ITERATIONS, w, &mut at, ws);
         if inner.residual.is_nan() {
             break;
         }

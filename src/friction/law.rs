@@ -4,6 +4,7 @@
 //! ([`SlipPath`]), so every law is, for the solver, a scalar function of the slip rate alone.
 
 use crate::error::{Error, Result};
+use crate::linalg::exp_m1;
 use crate::scene::Friction;
 
 /// Accumulated slip within a stage: `base + per_rate * rate` (m; per_rate in s).
@@ -22,6 +23,65 @@ pub struct Evaluation {
     pub slope: f64,
     /// Its integral over the slip rate.
     pub potential: f64,
+}
+
+/// Where a law is evaluated at all nodes at once.
+#[derive(Debug, Clone, Copy)]
+pub struct Nodes<'a> {
+    /// Nodal contact weights, m^2 (m in 2D).
+    pub weights: &'a [f64],
+    /// Slip rates, m/s.
+    pub rates: &'a [f64],
+    /// Accumulated slip before the implicit part of the stage, m.
+    pub slip_base: &'a [f64],
+    /// Growth of the accumulated slip by the slip rate, s.
+    pub per_rate: f64,
+}
+
+/// A law at all nodes, times their weights.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NodalLaw {
+    /// Bounds, N.
+    pub bound: Vec<f64>,
+    /// Slopes, N s/m.
+    pub slope: Vec<f64>,
+    /// Potentials, W.
+    pub potential: Vec<f64>,
+}
+
+impl NodalLaw {
+    pub fn new(nodes: usize) -> NodalLaw {
+        NodalLaw {
+            bound: vec![0.0; nodes],
+            slope: vec![0.0; nodes],
+            potential: vec![0.0; nodes],
+        }
+    }
+
+    /// Every node at which the law is evaluated, with its place for the result.
+    #[inline(always)]
+    fn fill(&mut self, nodes: Nodes, mut evaluate: impl FnMut(usize, f64, SlipPath) -> Evaluation) {
+        let Nodes {
+            weights,
+            rates,
+            slip_base,
+            per_rate,
+        } = nodes;
+        let count = weights.len();
+        let (rates, slip_base) = (&rates[..count], &slip_base[..count]);
+        let bound = &mut self.bound[..count];
+        let (slope, potential) = (&mut self.slope[..count], &mut self.potential[..count]);
+        for (node, weight) in weights.iter().enumerate() {
+            let slip = SlipPath {
+                base: slip_base[node],
+                per_rate,
+            };
+            let law = evaluate(node, rates[node], slip);
+            bound[node] = weight * law.bound;
+            slope[node] = weight * law.slope;
+            potential[node] = weight * law.potential;
+        }
+    }
 }
 
 /// A friction bound `g >= 0` in Pa.
@@ -44,6 +104,12 @@ pub trait FrictionLaw {
             slope: self.slope(node, rate, slip),
             potential: self.potential(node, rate, slip),
         }
+    }
+
+    /// The three at all nodes, times their weights; a law without branches is vectorized.
+    #[inline(always)]
+    fn evaluate_all(&self, nodes: Nodes, out: &mut NodalLaw) {
+        out.fill(nodes, |node, rate, slip| self.evaluate(node, rate, slip));
     }
 }
 
@@ -164,13 +230,13 @@ impl FrictionLaw for Law {
         match *self {
             Law::Frictionless => 0.0,
             Law::Tresca { bound } => bound,
-            Law::Exponential { a, b, alpha } => (a - b) * (-alpha * rate).exp() + b,
+            Law::Exponential { a, b, alpha } => a + (a - b) * exp_m1(-alpha * rate),
         }
     }
 
     fn slope(&self, _node: usize, rate: f64, _slip: SlipPath) -> f64 {
         match *self {
-            Law::Exponential { a, b, alpha } => -alpha * (a - b) * (-alpha * rate).exp(),
+            Law::Exponential { a, b, alpha } => -alpha * (a - b) * (1.0 + exp_m1(-alpha * rate)),
             _ => 0.0,
         }
     }
@@ -181,7 +247,7 @@ impl FrictionLaw for Law {
             Law::Tresca { bound } => bound * rate,
             // exp_m1 keeps the potential exact for small alpha * rate; alpha = 0 is the constant bound a
             Law::Exponential { a, b, alpha } if alpha > 0.0 => {
-                b * rate - (a - b) * (-alpha * rate).exp_m1() / alpha
+                b * rate - (a - b) * exp_m1(-alpha * rate) / alpha
             }
             Law::Exponential { a, .. } => a * rate,
         }
@@ -189,21 +255,34 @@ impl FrictionLaw for Law {
 
     fn evaluate(&self, node: usize, rate: f64, slip: SlipPath) -> Evaluation {
         match *self {
-            // one exponential serves all three
-            Law::Exponential { a, b, alpha } if alpha > 0.0 => {
-                let decay = (-alpha * rate).exp_m1();
-                Evaluation {
-                    bound: a + (a - b) * decay,
-                    slope: -alpha * (a - b) * (1.0 + decay),
-                    potential: b * rate - (a - b) * decay / alpha,
-                }
-            }
+            Law::Exponential { a, b, alpha } if alpha > 0.0 => exponential(a, b, alpha, rate),
             _ => Evaluation {
                 bound: self.bound(node, rate, slip),
                 slope: self.slope(node, rate, slip),
                 potential: self.potential(node, rate, slip),
             },
         }
+    }
+
+    #[inline(always)]
+    fn evaluate_all(&self, nodes: Nodes, out: &mut NodalLaw) {
+        match *self {
+            Law::Exponential { a, b, alpha } if alpha > 0.0 => {
+                out.fill(nodes, |_, rate, _| exponential(a, b, alpha, rate));
+            }
+            _ => out.fill(nodes, |node, rate, slip| self.evaluate(node, rate, slip)),
+        }
+    }
+}
+
+/// One exponential serves bound, slope and potential.
+#[inline(always)]
+fn exponential(a: f64, b: f64, alpha: f64, rate: f64) -> Evaluation {
+    let decay = exp_m1(-alpha * rate);
+    Evaluation {
+        bound: a + (a - b) * decay,
+        slope: -alpha * (a - b) * (1.0 + decay),
+        potential: b * rate - (a - b) / alpha * decay,
     }
 }
 
@@ -261,6 +340,17 @@ mod tests {
             }
             for rate in [0.0, 1e-9, 1e-4, 0.01, 0.3, 50.0] {
                 let all = law.evaluate(0, rate, AT);
+                let mut nodal = NodalLaw::new(1);
+                let nodes = Nodes {
+                    weights: &[2.0],
+                    rates: &[rate],
+                    slip_base: &[0.0],
+                    per_rate: 0.0,
+                };
+                law.evaluate_all(nodes, &mut nodal);
+                assert_eq!(nodal.bound[0], 2.0 * all.bound);
+                assert_eq!(nodal.slope[0], 2.0 * all.slope);
+                assert_eq!(nodal.potential[0], 2.0 * all.potential);
                 let close = |a: f64, b: f64| (a - b).abs() <= 1e-14 * (a.abs() + b.abs()) + 1e-17;
                 assert!(close(all.bound, law.bound(0, rate, AT)));
                 assert!(close(all.slope, law.slope(0, rate, AT)));

@@ -15,11 +15,17 @@
 //!
 //! which is coercive, so one exists whatever the law and the step. Nothing here knows the body, the mesh or the time.
 
+mod direction;
 pub mod fixed_point;
+mod last;
 pub mod law;
+pub mod linearisation;
 pub mod multiplicity;
 pub mod newton;
+mod plane;
 pub mod problem;
+mod second_variation;
+mod small;
 pub(crate) mod tangent;
 
 pub use law::{FrictionLaw, Law, SlipPath};

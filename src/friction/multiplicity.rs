@@ -5,6 +5,7 @@
 //! everywhere (as much slip as possible) finds the two extreme ones. It proves multiplicity, never uniqueness.
 
 use super::law::{FrictionLaw, FrozenBounds, Law};
+use super::linearisation::{Linearisation, block_len};
 use super::newton::{Workspace, solve};
 use super::problem::ContactProblem;
 
@@ -24,6 +25,7 @@ pub struct Multiplicity {
 pub struct MultiplicityWorkspace {
     candidates: [Vec<f64>; 2],
     bounds: Vec<f64>,
+    blocks: Vec<f64>,
     newton: Workspace,
 }
 
@@ -32,6 +34,7 @@ impl MultiplicityWorkspace {
         MultiplicityWorkspace {
             candidates: [vec![0.0; contact_len], vec![0.0; contact_len]],
             bounds: vec![0.0; nodes],
+            blocks: vec![0.0; nodes * block_len(contact_len / nodes)],
             newton: Workspace::new(nodes, contact_len),
         }
     }
@@ -70,9 +73,27 @@ pub fn test(
             slip_base: problem.slip_base,
             theta_k: problem.theta_k,
         };
-        let start = solve(&frozen, tolerance, max_iterations, w, &mut ws.newton);
-        let solution = solve(problem, tolerance, max_iterations, w, &mut ws.newton);
-        if !(start.converged && solution.converged) {
+        let mut at = Linearisation::fresh(&mut ws.blocks, problem.theta_k);
+        let mut solve_from_here = |w: &mut [f64]| {
+            let start = solve(
+                &frozen,
+                tolerance,
+                max_iterations,
+                w,
+                &mut at,
+                &mut ws.newton,
+            );
+            let solution = solve(
+                problem,
+                tolerance,
+                max_iterations,
+                w,
+                &mut at,
+                &mut ws.newton,
+            );
+            start.converged && solution.converged
+        };
+        if !solve_from_here(w) {
             continue;
         }
         let scale = w.iter().fold(largest, |m, v| m.max(v.abs()));

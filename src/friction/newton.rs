@@ -1,22 +1,34 @@
-//! Semismooth Newton for the contact problem, globalised by the decrease of the step energy W.
+//! Newton for the contact problem, from a factored matrix nearby, globalised by the decrease of the step energy W.
 //!
-//! A node either sticks (`w = 0`, force within its bound) or slips. Slipping nodes carry the unknowns: the change of
-//! the slip rate along the slip direction `n`, and in 3D also across it. The second variation of W on them is
+//! A node either sticks (`w = 0`, force within its bound) or slips. Slipping nodes carry the unknowns, and the second
+//! variation of W on them is
 //!
 //! ```text
-//! S + diag(omega g') along n,   S + diag(omega g / |w|) across n
+//! K = S + omega [ g' n n^T + (g / |w|) (I - n n^T) ],   n = w / |w|;   in the plane S + diag(omega g')
 //! ```
 //!
-//! Where `g` decreases this may be indefinite; then `g'` is dropped, which is a Newton step of the frozen-bound problem, a
-//! majoriser of W (the paper's Problem 7.4), and the step is lengthened while W decreases. A node that would reverse its
-//! direction stops at stick. A step must decrease W; when no step length does, a few sweeps of frozen-bound minimisations
-//! node by node follow, which can never increase W. The iteration stops on the residual of the friction law itself.
+//! 1. The direction solves with K up to differences that hardly matter, from the inverse of K at an earlier point of the
+//!    same step size, be it of an earlier step, and a small correction for the nodes that have changed since between stick
+//!    and slip or in slope (see `direction`, `linearisation`). So an iteration costs a few products of contact order. K is
+//!    factored anew, at the present point, when too much has changed or the residual falls slowly: then the step is a
+//!    semismooth Newton step.
+//! 2. Where `g` decreases K may be indefinite; then `g'` is dropped, which is a Newton step of the frozen-bound problem, a
+//!    majoriser of W (the paper's Problem 7.4), and the step is lengthened while W decreases.
+//! 3. A node that would reverse its direction stops at stick. A step must decrease W; when no step length does, neither
+//!    from the old nor from the present matrix, a few sweeps of frozen-bound minimisations node by node follow, which can
+//!    never increase W.
+//! 4. The iteration stops on the residual of the friction law itself, so what the matrix was never shows in the answer.
 //!
-//! After M. Stadler (SIOPT 2004) and Hueeber, Stadler, Wohlmuth (SISC 30, 2008) for the active sets.
+//! After M. Stadler (SIOPT 2004) and Hueeber, Stadler, Wohlmuth (SISC 30, 2008) for the active sets, and the chord method
+//! (C. T. Kelley, Iterative Methods for Linear and Nonlinear Equations, SIAM 1995, 5.4) for the matrix that is kept.
 
+use super::direction::{Direction, PATIENCE};
 use super::law::FrictionLaw;
-use super::problem::{ContactProblem, Point, norm};
-use crate::linalg::{DenseCholesky, column};
+use super::linearisation::{InverseCache, Linearisation};
+use super::plane;
+use super::problem::{ContactProblem, Judgement, Point, norm};
+use crate::linalg::column;
+use pulp::{Arch, Scalar, Simd, WithSimd};
 
 /// What a solve reached.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,7 +37,7 @@ pub struct Solution {
     pub iterations: usize,
     /// Residual of the friction law at the accepted point.
     pub residual: f64,
-    /// Contact node with the largest residual.
+    /// Contact node with the largest residual; 0 when the solve converged.
     pub node: usize,
     /// Whether the residual is within the tolerance.
     pub converged: bool,
@@ -41,28 +53,28 @@ const DOUBLINGS: usize = 30;
 const SWEEPS: usize = 4;
 /// Changes of W below this share of its terms are rounding, and the residual decides.
 const ENERGY_ROUNDING: f64 = 1e-13;
+/// A step that leaves more than this share of the residual is slow.
+const SLOW: f64 = 0.5;
 
-/// One unknown of a Newton step: the slip rate of `node` along `direction`.
-#[derive(Debug, Clone, Copy)]
-struct Unknown {
-    node: usize,
-    direction: [f64; 2],
-    /// Derivative of W along the direction, N.
-    gradient: f64,
-    /// Second derivative of the friction potential along the direction, N s/m.
-    curvature: f64,
-}
-
-/// Scratch of the solver; never changes a result.
+/// Scratch of the solver, for the problems of one model; never changes a result.
 pub struct Workspace {
     accepted: Point,
     trial: Point,
-    step: Vec<f64>,
-    rhs: Vec<f64>,
-    unknowns: Vec<Unknown>,
-    cholesky: DenseCholesky,
-    /// Whether the direction is that of the frozen-bound problem.
-    is_majorised: bool,
+    direction: Direction,
+    cache: InverseCache,
+    /// Whether every point takes its own product with S: near rounding.
+    is_careful: bool,
+    /// Whether the trial point is the accepted one and a step, with nothing stopped in between.
+    has_plain_trial: bool,
+}
+
+/// Work done so far by a simulator's default friction solver.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Work {
+    /// Matrices of the order of the slipping contact factored and inverted.
+    pub factorizations: u64,
+    /// Solves with such an inverse.
+    pub solves: u64,
 }
 
 impl Workspace {
@@ -71,15 +83,14 @@ impl Workspace {
         Workspace {
             accepted: Point::new(nodes, len),
             trial: Point::new(nodes, len),
-            step: vec![0.0; len],
-            rhs: vec![0.0; len],
-            unknowns: Vec::with_capacity(len),
-            cholesky: DenseCholesky::new(len),
-            is_majorised: false,
+            direction: Direction::new(nodes, len),
+            cache: InverseCache::new(nodes, len),
+            is_careful: false,
+            has_plain_trial: false,
         }
     }
 
-    /// Residual of `problem` at `w`.
+    /// Residual of `problem` at `w` and its node; `w` becomes the accepted point.
     pub fn residual_of<L: FrictionLaw>(
         &mut self,
         problem: &ContactProblem<L>,
@@ -87,73 +98,147 @@ impl Workspace {
     ) -> (f64, usize) {
         self.accepted.w.copy_from_slice(w);
         problem.complete(&mut self.accepted);
-        problem.residual(&self.accepted)
+        problem.worst_node(&self.accepted)
     }
 
     /// The accepted point; its contact forces are minus its `y`.
     pub fn accepted(&self) -> &Point {
         &self.accepted
     }
+
+    /// Work done so far.
+    pub fn work(&self) -> Work {
+        Work {
+            factorizations: self.cache.factorizations(),
+            solves: self.direction.solves,
+        }
+    }
 }
 
-/// Solves the contact problem from the warm start `w`, which becomes the solution. Allocates nothing.
+/// Solves the contact problem from the warm start `w`, which becomes the solution; `at` is the point of linearisation, which
+/// may move. Allocates nothing.
 pub fn solve<L: FrictionLaw>(
     problem: &ContactProblem<L>,
     tolerance: f64,
     max_iterations: usize,
     w: &mut [f64],
+    at: &mut Linearisation,
     ws: &mut Workspace,
 ) -> Solution {
-    ws.accepted.w.copy_from_slice(w);
-    problem.complete(&mut ws.accepted);
-    let (mut residual, mut node) = problem.residual(&ws.accepted);
-    let mut iterations = 0;
-    while residual > tolerance && iterations < max_iterations {
-        iterations += 1;
-        if !newton_step(problem, residual, ws) {
-            for _ in 0..SWEEPS {
-                frozen_bound_sweep(problem, &mut ws.accepted);
-            }
-            problem.complete(&mut ws.accepted);
+    Arch::new().dispatch(Solve {
+        problem,
+        tolerance,
+        max_iterations,
+        w,
+        at,
+        ws,
+    })
+}
+
+/// A solve: all loops over the contact that run at every iteration are compiled into it, for the instructions of the machine.
+struct Solve<'a, 'p, 'l, L> {
+    problem: &'a ContactProblem<'p, L>,
+    tolerance: f64,
+    max_iterations: usize,
+    w: &'a mut [f64],
+    at: &'a mut Linearisation<'l>,
+    ws: &'a mut Workspace,
+}
+
+impl<L: FrictionLaw> WithSimd for Solve<'_, '_, '_, L> {
+    type Output = Solution;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Solution {
+        let Solve {
+            problem,
+            tolerance,
+            max_iterations,
+            w,
+            at,
+            ws,
+        } = self;
+        ws.accepted.w.copy_from_slice(w);
+        problem.complete(&mut ws.accepted);
+        let mut residual = problem.residual(simd, &ws.accepted);
+        let mut iterations = 0;
+        if residual > tolerance {
+            ws.cache.prepare(problem, at);
         }
-        (residual, node) = problem.residual(&ws.accepted);
-    }
-    w.copy_from_slice(&ws.accepted.w);
-    Solution {
-        iterations,
-        residual,
-        node,
+        let mut slow = 0;
+        ws.is_careful = false;
+        ws.direction.begin();
+        loop {
+            if residual <= tolerance && !ws.accepted.is_exact {
+                problem.complete(&mut ws.accepted);
+                residual = problem.residual(simd, &ws.accepted);
+                ws.is_careful = true;
+            }
+            if residual.is_nan() || residual <= tolerance || iterations >= max_iterations {
+                break;
+            }
+            iterations += 1;
+            let is_taken = loop {
+                let is_taken = newton_step(simd, problem, residual, slow, at, ws);
+                if is_taken || ws.direction.is_new {
+                    break is_taken;
+                }
+                slow = PATIENCE;
+            };
+            if !is_taken {
+                sweep(problem, ws);
+            }
+            let before = std::mem::replace(&mut residual, problem.residual(simd, &ws.accepted));
+            slow = if residual > SLOW * before {
+                slow + 1
+            } else {
+                0
+            };
+        }
+        w.copy_from_slice(&ws.accepted.w);
         // a residual that is not a number is not within the tolerance
-        converged: residual <= tolerance,
+        let converged = residual <= tolerance;
+        let node = if converged {
+            0
+        } else {
+            problem.worst_node(&ws.accepted).1
+        };
+        Solution {
+            iterations,
+            residual,
+            node,
+            converged,
+        }
     }
 }
 
 /// Tries a Newton step; on success `ws.accepted` is the new point.
-fn newton_step<L: FrictionLaw>(
+#[inline(always)]
+fn newton_step<S: Simd, L: FrictionLaw>(
+    simd: S,
     problem: &ContactProblem<L>,
     residual: f64,
+    slow: u32,
+    at: &mut Linearisation,
     ws: &mut Workspace,
 ) -> bool {
-    list_unknowns(problem, &ws.accepted, &mut ws.unknowns);
-    loop {
-        if !solve_direction(problem, ws) {
-            return false;
-        }
-        if !drop_false_starts(problem, ws) {
-            break;
-        }
+    let (direction, cache) = (&mut ws.direction, &mut ws.cache);
+    if !direction.find(simd, problem, &ws.accepted, at, cache, slow) {
+        return false;
     }
-    let rounding = ENERGY_ROUNDING * problem.energy_scale(&ws.accepted);
     let mut length = 1.0;
     for _ in 0..=HALVINGS {
-        let predicted = advance(problem, length, ws);
-        problem.complete(&mut ws.trial);
-        let change = problem.energy_change(&ws.accepted, &ws.trial);
-        let is_decrease = predicted < 0.0 && change <= SUFFICIENT_DECREASE * predicted;
-        if is_decrease || (change.abs() <= rounding && problem.residual(&ws.trial).0 < residual) {
-            if ws.is_majorised && length == 1.0 {
+        let judgement = advance(simd, problem, length, ws);
+        let change = judgement.change;
+        let is_decrease =
+            judgement.predicted < 0.0 && change <= SUFFICIENT_DECREASE * judgement.predicted;
+        let is_rounding = || change.abs() <= ENERGY_ROUNDING * judgement.scale;
+        if is_decrease || (is_rounding() && problem.residual(simd, &ws.trial) < residual) {
+            if ws.direction.is_majorised && length == 1.0 {
                 lengthen(problem, change, ws);
             }
+            let is_plain = ws.has_plain_trial;
+            ws.direction.note(is_plain.then_some(length));
             std::mem::swap(&mut ws.accepted, &mut ws.trial);
             return true;
         }
@@ -163,172 +248,80 @@ fn newton_step<L: FrictionLaw>(
 }
 
 /// Doubles the step while W decreases further: where W is not convex the majoriser makes steps far too short.
+#[inline(never)]
 fn lengthen<L: FrictionLaw>(problem: &ContactProblem<L>, change: f64, ws: &mut Workspace) {
     let (mut length, mut best) = (1.0, change);
     for _ in 0..DOUBLINGS {
-        advance(problem, 2.0 * length, ws);
-        problem.complete(&mut ws.trial);
-        let change = problem.energy_change(&ws.accepted, &ws.trial);
+        let change = advance(Scalar, problem, 2.0 * length, ws).change;
         if change.is_nan() || change >= best {
             break;
         }
         (length, best) = (2.0 * length, change);
     }
-    advance(problem, length, ws);
-    problem.complete(&mut ws.trial);
+    advance(Scalar, problem, length, ws);
+    ws.has_plain_trial = false;
 }
 
-/// The slipping nodes: those with a slip rate, and those at rest whose force exceeds their bound.
-fn list_unknowns<L: FrictionLaw>(
+/// `trial = accepted + length * step` with all that follows, a node that would reverse stops at stick. Returns how W changes.
+#[inline(always)]
+fn advance<S: Simd, L: FrictionLaw>(
+    simd: S,
     problem: &ContactProblem<L>,
-    point: &Point,
-    unknowns: &mut Vec<Unknown>,
-) {
-    unknowns.clear();
-    for node in 0..problem.nodes() {
-        let (rate, law) = (point.rates[node], point.law[node]);
-        let (w, y) = (&point.w[problem.at(node)], &point.y[problem.at(node)]);
-        let pull = norm(y);
-        if rate == 0.0 && pull <= law.bound {
-            continue;
-        }
-        // a node at rest starts against the imbalance
-        let n = if rate > 0.0 {
-            direction(w, rate)
-        } else {
-            direction(y, -pull)
-        };
-        let along = |e: [f64; 2]| y.iter().zip(e).map(|(y, e)| y * e).sum::<f64>();
-        unknowns.push(Unknown {
-            node,
-            direction: n,
-            gradient: along(n) + law.bound,
-            curvature: law.slope,
-        });
-        if y.len() == 2 && rate > 0.0 {
-            let across = [-n[1], n[0]];
-            unknowns.push(Unknown {
-                node,
-                direction: across,
-                gradient: along(across),
-                curvature: law.bound / rate,
-            });
-        }
-    }
-}
-
-fn direction(x: &[f64], length: f64) -> [f64; 2] {
-    [x[0] / length, x.get(1).map_or(0.0, |v| v / length)]
-}
-
-/// Newton direction of the unknowns into `ws.step`; false when even the frozen-bound matrix is not positive definite.
-fn solve_direction<L: FrictionLaw>(problem: &ContactProblem<L>, ws: &mut Workspace) -> bool {
-    let count = ws.unknowns.len();
-    if count == 0 {
-        return false;
-    }
-    ws.is_majorised = !factor(problem, false, ws);
-    if ws.is_majorised && !factor(problem, true, ws) {
-        return false;
-    }
-    for (rhs, unknown) in ws.rhs.iter_mut().zip(&ws.unknowns) {
-        *rhs = -unknown.gradient;
-    }
-    ws.cholesky.solve(&mut ws.rhs[..count]);
-    ws.step.fill(0.0);
-    for (unknown, change) in ws.unknowns.iter().zip(&ws.rhs) {
-        for (step, e) in ws.step[problem.at(unknown.node)]
-            .iter_mut()
-            .zip(unknown.direction)
-        {
-            *step += change * e;
-        }
-    }
-    true
-}
-
-/// Drops the nodes at rest that the direction would start backwards: they stay at rest while the others are solved again.
-/// Whether there were any.
-fn drop_false_starts<L: FrictionLaw>(problem: &ContactProblem<L>, ws: &mut Workspace) -> bool {
-    let (rates, step) = (&ws.accepted.rates, &ws.step);
-    let before = ws.unknowns.len();
-    ws.unknowns.retain(|unknown| {
-        let step = &step[problem.at(unknown.node)];
-        let forward: f64 = step.iter().zip(unknown.direction).map(|(s, n)| s * n).sum();
-        rates[unknown.node] > 0.0 || forward > 0.0
-    });
-    ws.unknowns.len() < before
-}
-
-/// Factors the second variation on the unknowns; with the bound frozen where it decreases, if asked.
-fn factor<L: FrictionLaw>(
-    problem: &ContactProblem<L>,
-    is_frozen: bool,
+    length: f64,
     ws: &mut Workspace,
-) -> bool {
-    let (unknowns, c) = (&ws.unknowns, problem.components);
-    ws.cholesky.factor(unknowns.len(), |j, entries| {
-        let b = &unknowns[j];
-        if c == 1 {
-            let s = column(problem.s, b.node);
-            for (entry, a) in entries.iter_mut().zip(&unknowns[j..]) {
-                *entry = a.direction[0] * b.direction[0] * s[a.node];
-            }
-        } else {
-            let (s0, s1) = (
-                column(problem.s, 2 * b.node),
-                column(problem.s, 2 * b.node + 1),
-            );
-            for (entry, a) in entries.iter_mut().zip(&unknowns[j..]) {
-                let at = 2 * a.node;
-                let row = |p: usize| b.direction[0] * s0[at + p] + b.direction[1] * s1[at + p];
-                *entry = a.direction[0] * row(0) + a.direction[1] * row(1);
-            }
+) -> Judgement {
+    let (accepted, trial, direction) = (&ws.accepted, &mut ws.trial, &ws.direction);
+    let reverses = if direction.has_forces {
+        let step = (&*direction.step, &*direction.forces, &*direction.normal);
+        plane::advance(simd, accepted, length, step, trial)
+    } else {
+        let steps = accepted.w.iter().zip(&direction.step);
+        for (trial, (w, step)) in trial.w.iter_mut().zip(steps) {
+            *trial = w + length * step;
         }
-        entries[0] += if is_frozen {
-            b.curvature.max(0.0)
-        } else {
-            b.curvature
-        };
-    })
+        true
+    };
+    let has_stopped = reverses && stop_reversals(problem, direction, &mut trial.w);
+    ws.has_plain_trial = direction.has_forces && !has_stopped;
+    trial.is_exact = ws.is_careful || !ws.has_plain_trial;
+    if trial.is_exact {
+        problem.complete(trial);
+    } else {
+        problem.apply_law(trial);
+    }
+    problem.judge(simd, &direction.gradient, accepted, trial)
 }
 
-/// `trial = accepted + length * step`, a node that would reverse stops at stick. Returns the predicted first-order change
-/// of W.
-fn advance<L: FrictionLaw>(problem: &ContactProblem<L>, length: f64, ws: &mut Workspace) -> f64 {
-    let (w, trial) = (&ws.accepted.w, &mut ws.trial.w);
-    trial.copy_from_slice(w);
-    let mut predicted = 0.0;
-    let mut previous = usize::MAX;
-    for unknown in &ws.unknowns {
-        let at = problem.at(unknown.node);
-        let new = &mut trial[at.clone()];
-        // the first unknown of a node is the one along its slip direction
-        if unknown.node != previous {
-            previous = unknown.node;
-            let mut forward = 0.0;
-            for ((new, step), n) in new
-                .iter_mut()
-                .zip(&ws.step[at.clone()])
-                .zip(unknown.direction)
-            {
-                *new += length * step;
-                forward += *new * n;
-            }
-            // without a bound at rest there is no kink to stop at
-            if forward <= 0.0 && problem.bound_at_rest(unknown.node) > 0.0 {
-                new.fill(0.0);
-            }
+/// Stops the nodes that would reverse at stick. Whether there were any.
+#[inline(never)]
+fn stop_reversals<L: FrictionLaw>(
+    problem: &ContactProblem<L>,
+    direction: &Direction,
+    w: &mut [f64],
+) -> bool {
+    let c = problem.components;
+    let mut has_stopped = false;
+    let nodes = w.chunks_exact_mut(c).zip(direction.normal.chunks_exact(c));
+    for (node, (new, normal)) in nodes.enumerate() {
+        let forward: f64 = new.iter().zip(normal).map(|(w, n)| w * n).sum();
+        let moves = normal.iter().any(|n| *n != 0.0);
+        // without a bound at rest there is no kink to stop at
+        if moves && forward <= 0.0 && problem.bound_at_rest(node) > 0.0 {
+            new.fill(0.0);
+            has_stopped = true;
         }
-        let moved: f64 = new
-            .iter()
-            .zip(&w[at])
-            .zip(unknown.direction)
-            .map(|((new, old), e)| (new - old) * e)
-            .sum();
-        predicted += unknown.gradient * moved;
     }
-    predicted
+    has_stopped
+}
+
+/// Sweeps in the place of a refused Newton step.
+#[inline(never)]
+fn sweep<L: FrictionLaw>(problem: &ContactProblem<L>, ws: &mut Workspace) {
+    ws.direction.note(None);
+    for _ in 0..SWEEPS {
+        frozen_bound_sweep(problem, &mut ws.accepted);
+    }
+    problem.complete(&mut ws.accepted);
 }
 
 /// One sweep over the nodes, each minimising W with its bound frozen (or, where the bound grows with the rate,
@@ -336,7 +329,7 @@ fn advance<L: FrictionLaw>(problem: &ContactProblem<L>, length: f64, ws: &mut Wo
 fn frozen_bound_sweep<L: FrictionLaw>(problem: &ContactProblem<L>, point: &mut Point) {
     for node in 0..problem.nodes() {
         let at = problem.at(node);
-        let stiffness = largest_eigenvalue(problem, node);
+        let stiffness = problem.stiffness(node);
         let rate = norm(&point.w[at.clone()]);
         let mut target = [0.0; 2];
         for (target, i) in target.iter_mut().zip(at.clone()) {
@@ -362,15 +355,4 @@ fn frozen_bound_sweep<L: FrictionLaw>(problem: &ContactProblem<L>, point: &mut P
             }
         }
     }
-}
-
-/// Largest eigenvalue of the diagonal block of S at a node.
-fn largest_eigenvalue<L: FrictionLaw>(problem: &ContactProblem<L>, node: usize) -> f64 {
-    let at = problem.at(node).start;
-    let a = problem.s[(at, at)];
-    if problem.components == 1 {
-        return a;
-    }
-    let (b, d) = (problem.s[(at, at + 1)], problem.s[(at + 1, at + 1)]);
-    0.5 * (a + d) + (0.5 * (a - d)).hypot(b)
 }

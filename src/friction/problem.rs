@@ -1,8 +1,11 @@
 //! The contact problem of one stage, and what holds at a trial point: forces, residual, step energy.
 
-use super::law::{Evaluation, FrictionLaw, SlipPath};
+use super::law::{Evaluation, FrictionLaw, NodalLaw, Nodes, SlipPath};
+use super::plane;
+use crate::linalg::lanes::visit;
 use crate::linalg::multiply;
 use faer::MatRef;
+use pulp::Simd;
 
 /// `S w + Lambda = r` with the friction law, on `nodes * components` tangential velocities (node by node).
 pub struct ContactProblem<'a, L> {
@@ -30,8 +33,10 @@ pub struct Point {
     pub y: Vec<f64>,
     /// Magnitude of the slip rate, one per node.
     pub rates: Vec<f64>,
-    /// The law at every node, times the nodal weight: forces (N), their slopes (N s/m) and potentials (W).
-    pub law: Vec<Evaluation>,
+    /// The law at every node, times the nodal weight.
+    pub law: NodalLaw,
+    /// Whether `y` comes from a product with S, and not from that of another point and the forces of the step to here.
+    pub is_exact: bool,
 }
 
 impl Point {
@@ -40,7 +45,8 @@ impl Point {
             w: vec![0.0; len],
             y: vec![0.0; len],
             rates: vec![0.0; nodes],
-            law: vec![Evaluation::default(); nodes],
+            law: NodalLaw::new(nodes),
+            is_exact: false,
         }
     }
 }
@@ -50,15 +56,18 @@ impl Point {
 const SCALE_FLOOR: f64 = 1e-3;
 
 impl<L: FrictionLaw> ContactProblem<'_, L> {
+    #[inline(always)]
     pub fn nodes(&self) -> usize {
         self.weights.len()
     }
 
     /// Range of the components of a node.
+    #[inline(always)]
     pub fn at(&self, node: usize) -> std::ops::Range<usize> {
         node * self.components..(node + 1) * self.components
     }
 
+    #[inline(always)]
     pub fn slip_path(&self, node: usize) -> SlipPath {
         SlipPath {
             base: self.slip_base[node],
@@ -82,29 +91,71 @@ impl<L: FrictionLaw> ContactProblem<'_, L> {
         self.weights[node] * self.law.bound(node, 0.0, self.slip_path(node))
     }
 
+    /// Largest eigenvalue of the diagonal block of S at a node.
+    pub fn stiffness(&self, node: usize) -> f64 {
+        let at = self.at(node).start;
+        let a = self.s[(at, at)];
+        if self.components == 1 {
+            return a;
+        }
+        let (b, d) = (self.s[(at, at + 1)], self.s[(at + 1, at + 1)]);
+        0.5 * (a + d) + (0.5 * (a - d)).hypot(b)
+    }
+
     /// Completes a point from its velocities.
+    #[inline(always)]
     pub fn complete(&self, point: &mut Point) {
         multiply(self.s, &point.w, &mut point.y);
         for (y, r) in point.y.iter_mut().zip(self.r) {
             *y -= r;
         }
-        for node in 0..self.nodes() {
-            let rate = norm(&point.w[self.at(node)]);
-            point.rates[node] = rate;
-            point.law[node] = self.weighted_law(node, rate);
+        point.is_exact = true;
+        if self.components == 1 {
+            for (rate, w) in point.rates.iter_mut().zip(&point.w) {
+                *rate = w.abs();
+            }
+        } else {
+            let nodes = point.w.chunks_exact(self.components);
+            for (rate, w) in point.rates.iter_mut().zip(nodes) {
+                *rate = norm(w);
+            }
         }
+        self.apply_law(point);
+    }
+
+    /// The law at the slip rates of a point.
+    #[inline(always)]
+    pub fn apply_law(&self, point: &mut Point) {
+        let nodes = Nodes {
+            weights: self.weights,
+            rates: &point.rates,
+            slip_base: self.slip_base,
+            per_rate: self.theta_k,
+        };
+        self.law.evaluate_all(nodes, &mut point.law);
     }
 
     /// Residual of the friction law: the largest over the nodes of the violated force divided by the forces that meet
-    /// there. A node with `w = 0` violates by what exceeds its bound at rest. Returns the residual and its node.
-    pub fn residual(&self, point: &Point) -> (f64, usize) {
+    /// there. A node with `w = 0` violates by what exceeds its bound at rest. NaN where a force is not a number.
+    #[inline(always)]
+    pub fn residual<S: Simd>(&self, simd: S, point: &Point) -> f64 {
+        if self.components == 1 {
+            plane::residual(simd, self.r, point, SCALE_FLOOR)
+        } else {
+            self.worst_node(point).0
+        }
+    }
+
+    /// The residual and the node where it is largest.
+    #[inline(never)]
+    pub fn worst_node(&self, point: &Point) -> (f64, usize) {
         // forces that meet at a node: applied, of the body (S w = y + r), of friction
         let scale = |node: usize| {
             let mut body = [0.0; 2];
             for (body, i) in body.iter_mut().zip(self.at(node)) {
                 *body = point.y[i] + self.r[i];
             }
-            norm(&self.r[self.at(node)]) + norm(&body[..self.components]) + point.law[node].bound
+            norm(&self.r[self.at(node)]) + norm(&body[..self.components]) + point.law.bound[node]
         };
         let largest = (0..self.nodes()).map(scale).fold(0.0, f64::max);
         let mut worst = (0.0, 0);
@@ -127,7 +178,7 @@ impl<L: FrictionLaw> ContactProblem<'_, L> {
 
     /// Violated force at a node, N.
     fn violation(&self, node: usize, point: &Point) -> f64 {
-        let (rate, bound) = (point.rates[node], point.law[node].bound);
+        let (rate, bound) = (point.rates[node], point.law.bound[node]);
         let y = &point.y[self.at(node)];
         if rate == 0.0 {
             let excess = norm(y) - bound;
@@ -140,25 +191,51 @@ impl<L: FrictionLaw> ContactProblem<'_, L> {
         norm(&violated[..self.components])
     }
 
-    /// `W(to) - W(from)`, written with differences so that it does not cancel.
-    pub fn energy_change(&self, from: &Point, to: &Point) -> f64 {
-        let smooth: f64 = (0..from.w.len())
-            .map(|i| 0.5 * (to.w[i] - from.w[i]) * (from.y[i] + to.y[i]))
-            .sum();
-        let friction: f64 = from
-            .law
-            .iter()
-            .zip(&to.law)
-            .map(|(from, to)| to.potential - from.potential)
-            .sum();
-        smooth + friction
+    /// How W changes from one point to another.
+    #[inline(always)]
+    pub fn judge<S: Simd>(&self, simd: S, gradient: &[f64], from: &Point, to: &Point) -> Judgement {
+        let zero = simd.splat_f64s(0.0);
+        let half = simd.splat_f64s(0.5);
+        let (mut predicted, mut smooth, mut work) = (zero, zero, zero);
+        visit(
+            simd,
+            [gradient, &from.w, &to.w, &from.y, &to.y, self.r],
+            #[inline(always)]
+            |[gradient, w0, w1, y0, y1, r]| {
+                let moved = simd.sub_f64s(w1, w0);
+                predicted = simd.mul_add_e_f64s(gradient, moved, predicted);
+                let mean = simd.mul_f64s(half, simd.add_f64s(y0, y1));
+                smooth = simd.mul_add_e_f64s(moved, mean, smooth);
+                work = simd.add_f64s(work, simd.abs_f64s(simd.mul_f64s(w0, r)));
+            },
+        );
+        let (mut friction, mut potential) = (zero, zero);
+        visit(
+            simd,
+            [&from.law.potential, &to.law.potential],
+            #[inline(always)]
+            |[from, to]| {
+                friction = simd.add_f64s(friction, simd.sub_f64s(to, from));
+                potential = simd.add_f64s(potential, from);
+            },
+        );
+        Judgement {
+            predicted: simd.reduce_sum_f64s(predicted),
+            // differences, so that W does not cancel
+            change: simd.reduce_sum_f64s(simd.add_f64s(smooth, friction)),
+            scale: simd.reduce_sum_f64s(simd.add_f64s(work, potential)),
+        }
     }
+}
 
-    /// Magnitude of the terms of W.
-    pub fn energy_scale(&self, point: &Point) -> f64 {
-        let work: f64 = point.w.iter().zip(self.r).map(|(w, r)| (w * r).abs()).sum();
-        work + point.law.iter().map(|law| law.potential).sum::<f64>()
-    }
+/// Change of the step energy W between two points, W.
+#[derive(Debug, Clone, Copy)]
+pub struct Judgement {
+    /// To first order.
+    pub predicted: f64,
+    pub change: f64,
+    /// Magnitude of the terms of W at the first.
+    pub scale: f64,
 }
 
 /// Euclidean norm of a nodal vector; exact for one component, so that sticking stays exactly zero.

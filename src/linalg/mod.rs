@@ -1,10 +1,19 @@
 //! The few dense and sparse operations the rest is written in, on one thread and without hidden allocations.
 
+mod cholesky;
 mod dense;
+mod elementary;
+mod gram;
 mod kernel;
+pub mod lanes;
+pub mod modal;
 mod ordering;
 mod sparse;
+mod tiles;
 
-pub use dense::{DenseCholesky, mirror_lower, symmetric_eigen, symmetric_eigenvalues};
+pub use cholesky::DenseCholesky;
+pub use dense::{mirror_lower, symmetric_eigen, symmetric_eigenvalues};
+pub use elementary::exp_m1;
+pub use gram::weighted_gram;
 pub use kernel::{column, dot, multiply, multiply_transposed};
 pub use sparse::SparseCholesky;

@@ -7,10 +7,9 @@ use super::body_model::{BodyModel, Scratch, Stage};
 use super::reduction::add_response;
 use crate::bytes::{Reader, Writer};
 use crate::error::{Error, Result};
-use crate::linalg::{DenseCholesky, column as column_of, multiply, multiply_transposed};
+use crate::linalg::{DenseCholesky, modal, multiply, multiply_transposed, weighted_gram};
 use dyn_stack::{MemBuffer, StackReq};
-use faer::linalg::matmul::triangular::{BlockStructure, matmul};
-use faer::{Accum, Mat, MatMut, MatRef, Par};
+use faer::Mat;
 
 pub struct Reduced {
     /// Relaxation rates, 1/s, ascending.
@@ -42,37 +41,19 @@ impl BodyModel for Reduced {
             free: vec![0.0; r],
             work: vec![0.0; r],
             contact: vec![0.0; m],
-            matrix: vec![0.0; m * (m + r)],
+            matrix: vec![0.0; m * m],
             dense: DenseCholesky::new(m),
             memory: MemBuffer::new(StackReq::EMPTY),
         }
     }
 
     fn factor(&self, theta_k: f64, stage: &mut Stage, scratch: &mut Scratch) -> Result<()> {
-        let (m, r) = (self.contact_len(), self.states());
+        let m = self.contact_len();
         for (d, rate) in stage.factor.iter_mut().zip(&self.rates) {
             *d = 1.0 / (1.0 + theta_k * rate);
         }
-        let (compliance, scaled) = scratch.matrix.split_at_mut(m * m);
-        for (j, column) in scaled.chunks_exact_mut(r).enumerate() {
-            let port = column_of(self.contact.as_ref(), j);
-            for ((to, from), d) in column.iter_mut().zip(port).zip(&stage.factor) {
-                *to = from * d;
-            }
-        }
-        let scaled = MatRef::from_column_major_slice(scaled, r, m);
-        matmul(
-            MatMut::from_column_major_slice_mut(compliance, m, m),
-            BlockStructure::TriangularLower,
-            Accum::Replace,
-            self.contact.transpose(),
-            BlockStructure::Rectangular,
-            scaled,
-            BlockStructure::Rectangular,
-            1.0,
-            Par::Seq,
-        );
-        let compliance = &*compliance;
+        let compliance = &mut scratch.matrix[..m * m];
+        weighted_gram(self.contact.as_ref(), &stage.factor, compliance);
         if !scratch.dense.factor(m, |j, column| {
             column.copy_from_slice(&compliance[j * m + j..(j + 1) * m]);
         }) {
@@ -88,9 +69,7 @@ impl BodyModel for Reduced {
     fn predict(&self, stage: &Stage, p: &[f64], f: &[f64], r: &mut [f64], scratch: &mut Scratch) {
         let loads = self.outputs.as_ref().subcols(0, self.loads);
         multiply(loads, f, &mut scratch.free);
-        for (j, free) in scratch.free.iter_mut().enumerate() {
-            *free = (*free - self.rates[j] * p[j]) * stage.factor[j];
-        }
+        modal::free_motion(&mut scratch.free, &self.rates, p, &stage.factor);
         multiply_transposed(self.contact.as_ref(), &scratch.free, &mut scratch.contact);
         multiply(stage.s.as_ref(), &scratch.contact, r);
     }
@@ -104,17 +83,11 @@ impl BodyModel for Reduced {
         scratch: &mut Scratch,
     ) {
         multiply(self.contact.as_ref(), contact_force, w);
-        for (j, w) in w.iter_mut().enumerate() {
-            *w = scratch.free[j] - *w * stage.factor[j];
-        }
+        modal::corrected_motion(w, &scratch.free, &stage.factor);
     }
 
     fn products(&self, x: &[f64]) -> (f64, f64) {
-        x.iter()
-            .zip(&self.rates)
-            .fold((0.0, 0.0), |(a, b), (x, rate)| {
-                (a + x * x, b + rate * x * x)
-            })
+        modal::squares(x, &self.rates)
     }
 
     fn outputs(&self, x: &[f64], out: &mut [f64]) {

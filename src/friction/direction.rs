@@ -1,0 +1,357 @@
+//! The direction of a Newton step, from the inverse at a point of linearisation nearby.
+//!
+//! The matrix wanted is `K = S + D` on the nodes that move, D the second variation of the friction potential there; the
+//! inverse at hand is `H = (S_FF + D_0)^-1` (see `linearisation`). Where D differs noticeably from D_0, and where a free
+//! node sticks, the difference is a sum of few terms `delta e e^T` (delta infinite for a node that sticks), and
+//!
+//! ```text
+//! K^-1 g = H (g - E b),   (Delta^-1 + E^T H E) b = E^T H g                                  (Woodbury)
+//! ```
+//!
+//! The other differences are left to the iteration. The small matrix is factored as L D L^T with the positive deltas
+//! first: K is positive definite exactly when the pivots have the signs of their deltas. When it is not, the negative ones
+//! are dropped: the matrix is then above K, and the direction still descends. Too many terms, or a node that moves and is
+//! not free, call for another point of linearisation: the present one.
+//!
+//! A step `H rhs` also tells `S step = rhs - D_0 step` on the free nodes without a product with S.
+
+use super::last::Last;
+use super::law::FrictionLaw;
+use super::linearisation::{Inverse, InverseCache, Linearisation};
+use super::plane::{self, Motion, Seen};
+use super::problem::{ContactProblem, Point, norm};
+use super::second_variation::{NOTICEABLE, SecondVariation, term_capacity};
+use super::small::{SmallSystem, Term};
+use crate::linalg::{column, dot, multiply};
+use pulp::Simd;
+
+/// What is tried in turn until the matrix is positive definite: the share of the weakening of the bound, and whether nodes
+/// that stick are freed, which makes the body softer. Just above where the matrix would be singular, steps are long along the
+/// shape in which W is not convex; no weakening at all is the frozen-bound problem.
+const ATTEMPTS: [(f64, bool); 5] = [
+    (1.0, true),
+    (1.0, false),
+    (0.95, false),
+    (0.8, false),
+    (0.0, true),
+];
+/// Slow steps in a row for which the matrix is made anew even if nodes have changed between stick and slip meanwhile.
+pub const PATIENCE: u32 = 3;
+
+/// Direction of a Newton step, and scratch to find it.
+pub struct Direction {
+    /// Slip direction of what moves, all components; zero where a node sticks.
+    pub normal: Vec<f64>,
+    /// Derivative of W along the components of what moves, N; zero where a node sticks.
+    pub gradient: Vec<f64>,
+    /// The step, m/s.
+    pub step: Vec<f64>,
+    /// `S step`, N; only when `has_forces`.
+    pub forces: Vec<f64>,
+    /// Whether the forces of the step are known.
+    pub has_forces: bool,
+    /// Whether the matrix is above the second variation of W.
+    pub is_majorised: bool,
+    /// Which share of the weakening of the bound is in the matrix.
+    attempt: usize,
+    /// Whether the point of linearisation is the present one.
+    pub is_new: bool,
+    /// Inverses applied so far.
+    pub solves: u64,
+    last: Last,
+    /// How much every node differs from the point of linearisation; infinite where that is not known.
+    differences: Vec<f64>,
+    rhs: Vec<f64>,
+    solution: Vec<f64>,
+    terms: Vec<Term>,
+    small: SmallSystem,
+}
+
+impl Direction {
+    pub fn new(nodes: usize, len: usize) -> Direction {
+        let most = term_capacity(nodes, len);
+        Direction {
+            normal: vec![0.0; len],
+            gradient: vec![0.0; len],
+            step: vec![0.0; len],
+            forces: vec![0.0; len],
+            has_forces: false,
+            is_majorised: false,
+            attempt: 0,
+            is_new: false,
+            solves: 0,
+            last: Last::new(len),
+            differences: vec![0.0; nodes],
+            rhs: vec![0.0; len],
+            solution: vec![0.0; len],
+            terms: Vec::with_capacity(most),
+            small: SmallSystem::new(most),
+        }
+    }
+
+    /// Finds the direction at `point`, after so many slow steps in a row; the point of linearisation moves here when they
+    /// are the fault of the matrix, or when it is too far away. False when nothing moves or no matrix can be had.
+    #[inline(always)]
+    pub fn find<S: Simd, L: FrictionLaw>(
+        &mut self,
+        simd: S,
+        problem: &ContactProblem<L>,
+        point: &Point,
+        at: &mut Linearisation,
+        cache: &mut InverseCache,
+        slow: u32,
+    ) -> bool {
+        (self.is_majorised, self.is_new) = (ATTEMPTS[self.attempt].0 < 1.0, false);
+        std::mem::swap(&mut self.normal, &mut self.last.normal);
+        std::mem::swap(&mut self.gradient, &mut self.last.gradient);
+        let seen = if problem.components == 1 {
+            let last = &mut self.last;
+            let before = (&*last.normal, &*last.gradient, &*last.step);
+            let out = Motion {
+                normal: &mut self.normal,
+                gradient: &mut self.gradient,
+                change: &mut last.change,
+            };
+            plane::motion(simd, point, before, out)
+        } else {
+            self.motion_in_space(problem, point)
+        };
+        self.last.look(&seen);
+        // a change between stick and slip shows in the residual whatever the matrix
+        let mut wants_new = slow >= PATIENCE || (slow > 0 && seen.is_same_set);
+        let mut moves = seen.moves;
+        while moves {
+            match cache.current().filter(|_| !wants_new) {
+                Some(inverse) if self.list_terms(simd, problem, point, inverse) => {
+                    self.solve(simd, problem, inverse);
+                }
+                _ => {
+                    if !self.relinearise(problem, point, at, cache) {
+                        return false;
+                    }
+                    wants_new = false;
+                    continue;
+                }
+            }
+            if !self.drop_false_starts(problem, point) {
+                return true;
+            }
+            self.last.forget();
+            moves = self.normal.iter().any(|n| *n != 0.0);
+        }
+        false
+    }
+
+    /// Slip directions and gradient of W of what moves, and what has changed since the last step.
+    #[inline(never)]
+    fn motion_in_space<L: FrictionLaw>(
+        &mut self,
+        problem: &ContactProblem<L>,
+        point: &Point,
+    ) -> Seen {
+        let mut moves = false;
+        for node in 0..problem.nodes() {
+            let (rate, bound) = (point.rates[node], point.law.bound[node]);
+            let at = problem.at(node);
+            let (w, y) = (&point.w[at.clone()], &point.y[at.clone()]);
+            let (normal, gradient) = (&mut self.normal[at.clone()], &mut self.gradient[at]);
+            let pull = norm(y);
+            if rate == 0.0 && pull <= bound {
+                normal.fill(0.0);
+                gradient.fill(0.0);
+                continue;
+            }
+            moves = true;
+            // a node at rest starts against the imbalance
+            let (from, length) = if rate > 0.0 { (w, rate) } else { (y, -pull) };
+            for (i, from) in from.iter().enumerate() {
+                normal[i] = from / length;
+                gradient[i] = y[i] + bound * normal[i];
+            }
+        }
+        self.last.compare(moves, &self.normal, &self.gradient)
+    }
+
+    fn moves<L: FrictionLaw>(&self, problem: &ContactProblem<L>, node: usize) -> bool {
+        self.normal[problem.at(node)].iter().any(|n| *n != 0.0)
+    }
+
+    /// Makes the present point the point of linearisation; with the bound frozen where it decreases, if need be.
+    #[inline(never)]
+    fn relinearise<L: FrictionLaw>(
+        &mut self,
+        problem: &ContactProblem<L>,
+        point: &Point,
+        at: &mut Linearisation,
+        cache: &mut InverseCache,
+    ) -> bool {
+        self.is_new = true;
+        let first = self.attempt.min(1);
+        for (attempt, (weakening, frees_near)) in ATTEMPTS.into_iter().enumerate().skip(first) {
+            self.attempt = attempt;
+            self.is_majorised = weakening < 1.0;
+            let present = SecondVariation {
+                problem,
+                point,
+                normal: &self.normal,
+                weakening,
+            };
+            present.linearise(at, frees_near);
+            if cache.prepare(problem, at) {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// The terms by which the matrix wanted differs from the one at hand; false when they are too many or a node moves
+    /// that is not free.
+    #[inline(always)]
+    fn list_terms<S: Simd, L: FrictionLaw>(
+        &mut self,
+        simd: S,
+        problem: &ContactProblem<L>,
+        point: &Point,
+        inverse: &Inverse,
+    ) -> bool {
+        self.terms.clear();
+        if problem.components == 1 && !self.is_majorised {
+            let (normal, slope) = (&self.normal, &point.law.slope);
+            let differences = &mut self.differences;
+            let largest = plane::differences(simd, normal, slope, inverse, differences);
+            // NaN is a difference
+            if largest <= NOTICEABLE {
+                return true;
+            }
+        } else {
+            self.differences.fill(f64::INFINITY);
+        }
+        let wanted = SecondVariation {
+            problem,
+            point,
+            normal: &self.normal,
+            weakening: ATTEMPTS[self.attempt].0,
+        };
+        wanted.list_terms(inverse, &self.differences, &mut self.terms)
+    }
+
+    /// The step of the matrix wanted, from the inverse at hand, the terms and the last step.
+    #[inline(always)]
+    fn solve<S: Simd, L: FrictionLaw>(
+        &mut self,
+        simd: S,
+        problem: &ContactProblem<L>,
+        inverse: &Inverse,
+    ) {
+        let (c, order) = (problem.components, inverse.order());
+        let (rhs, solution) = (&mut self.rhs[..order], &mut self.solution[..order]);
+        let share = self.last.share();
+        let is_plain = c == 1 && order == self.step.len();
+        if is_plain {
+            plane::right_side(simd, share, &self.last.change, &self.gradient, rhs);
+        } else {
+            for (rhs, component) in rhs.iter_mut().zip(&inverse.components) {
+                *rhs = share * self.last.change[*component] - self.gradient[*component];
+            }
+        }
+        if !self.terms.is_empty() && !self.small.apply(&self.terms, inverse, c, rhs) {
+            self.is_majorised = true;
+        }
+        multiply(inverse.matrix(), rhs, solution);
+        self.solves += 1;
+        self.has_forces = c == 1;
+        let product = if is_plain {
+            let known = (&*solution, &*rhs, &*inverse.blocks);
+            let (step, forces) = (&mut self.step, &mut self.forces);
+            plane::step_of_all(simd, known, &self.normal, &self.last.change, step, forces)
+        } else {
+            self.scatter(problem, inverse)
+        };
+        if let Some(factor) = self.last.correction(product) {
+            plane::add(simd, factor, &self.last.step, &mut self.step);
+            plane::add(simd, factor, &self.last.forces, &mut self.forces);
+        }
+    }
+
+    /// The step, and its forces with one component, from the solution where not everything is free. Returns the product
+    /// of the step with the last change of the gradient.
+    #[inline(never)]
+    fn scatter<L: FrictionLaw>(&mut self, problem: &ContactProblem<L>, inverse: &Inverse) -> f64 {
+        self.step.fill(0.0);
+        for (value, component) in self.solution.iter().zip(&inverse.components) {
+            // what sticks stays exactly at rest
+            if self.normal[*component] != 0.0 || problem.components > 1 {
+                self.step[*component] = *value;
+            }
+        }
+        if problem.components > 1 {
+            for node in 0..problem.nodes() {
+                if !self.moves(problem, node) {
+                    self.step[problem.at(node)].fill(0.0);
+                }
+            }
+        } else {
+            for (node, force) in self.forces.iter_mut().enumerate() {
+                if inverse.diagonal[node] == 0.0 {
+                    *force = dot(column(problem.s, node), &self.step);
+                }
+            }
+            for (rhs, component) in self.rhs.iter().zip(&inverse.components) {
+                let own = inverse.blocks[*component] * self.step[*component];
+                self.forces[*component] = rhs - own;
+            }
+        }
+        dot(&self.last.change, &self.step)
+    }
+
+    /// A solve begins.
+    pub fn begin(&mut self) {
+        self.attempt = 0;
+        self.last.forget();
+    }
+
+    /// Takes note that the step, times `length`, was taken as it is; or that another one was.
+    #[inline(always)]
+    pub fn note(&mut self, length: Option<f64>) {
+        match length {
+            Some(length) => self.last.keep(&mut self.step, &mut self.forces, length),
+            None => self.last.forget(),
+        }
+    }
+
+    /// Drops the nodes at rest that the direction would start backwards: they stay at rest while the others are solved
+    /// again. Whether there were any. With two components the others start along their direction only: across it the
+    /// bound is infinitely stiff.
+    fn drop_false_starts<L: FrictionLaw>(
+        &mut self,
+        problem: &ContactProblem<L>,
+        point: &Point,
+    ) -> bool {
+        let mut dropped = false;
+        for (node, rate) in point.rates.iter().enumerate() {
+            if *rate > 0.0 {
+                continue;
+            }
+            let at = problem.at(node);
+            let normal = &mut self.normal[at.clone()];
+            if normal.iter().all(|n| *n == 0.0) {
+                continue;
+            }
+            let step = &mut self.step[at.clone()];
+            let forward: f64 = step.iter().zip(&*normal).map(|(s, n)| s * n).sum();
+            // what is not a number is not forward
+            if forward > 0.0 {
+                if step.len() > 1 {
+                    for (step, n) in step.iter_mut().zip(&*normal) {
+                        *step = forward * n;
+                    }
+                }
+            } else {
+                normal.fill(0.0);
+                self.gradient[at].fill(0.0);
+                dropped = true;
+            }
+        }
+        dropped
+    }
+}

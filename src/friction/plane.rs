@@ -1,0 +1,251 @@
+//! The loops over the contact that run at every iteration with one tangential component per node, vectorized: no branches,
+//! what differs between nodes that stick, slip and start is selected.
+
+use super::linearisation::Inverse;
+use super::problem::Point;
+use crate::linalg::lanes::{larger, map, visit};
+use pulp::Simd;
+
+/// Residual of the friction law: the largest violated force over the forces that meet at a node, those not below a share
+/// `floor` of the largest. NaN where a force is not finite.
+#[inline(always)]
+pub fn residual<S: Simd>(simd: S, r: &[f64], point: &Point, floor: f64) -> f64 {
+    let zero = simd.splat_f64s(0.0);
+    let (mut largest, mut total) = (zero, zero);
+    visit(
+        simd,
+        [r, &point.y, &point.law.bound],
+        #[inline(always)]
+        |[r, y, bound]| {
+            let scale = scale(simd, r, y, bound);
+            largest = larger(simd, largest, scale);
+            total = simd.add_f64s(total, scale);
+        },
+    );
+    // what is not a number is never the larger one, and must not pass for converged
+    if !simd.reduce_sum_f64s(total).is_finite() {
+        return f64::NAN;
+    }
+    let floor = simd.splat_f64s((floor * simd.reduce_max_f64s(largest)).max(f64::MIN_POSITIVE));
+    let mut worst = zero;
+    visit(
+        simd,
+        [r, &point.y, &point.law.bound, &point.w],
+        #[inline(always)]
+        |[r, y, bound, w]| {
+            let at_rest = simd.sub_f64s(simd.abs_f64s(y), bound);
+            let slipping = simd.abs_f64s(simd.add_f64s(y, with_sign(simd, bound, w)));
+            let violation = simd.select_f64s(simd.equal_f64s(w, zero), at_rest, slipping);
+            let relative = simd.div_f64s(violation, larger(simd, scale(simd, r, y, bound), floor));
+            worst = larger(simd, worst, relative);
+        },
+    );
+    simd.reduce_max_f64s(worst)
+}
+
+/// Forces that meet at a node: applied, of the body (S w = y + r), of friction.
+#[inline(always)]
+fn scale<S: Simd>(simd: S, r: S::f64s, y: S::f64s, bound: S::f64s) -> S::f64s {
+    let body = simd.abs_f64s(simd.add_f64s(y, r));
+    simd.add_f64s(simd.add_f64s(simd.abs_f64s(r), body), bound)
+}
+
+/// A magnitude with the sign of another number.
+#[inline(always)]
+fn with_sign<S: Simd>(simd: S, magnitude: S::f64s, sign: S::f64s) -> S::f64s {
+    let mask = simd.splat_f64s(-0.0);
+    simd.or_f64s(magnitude, simd.and_f64s(mask, sign))
+}
+
+/// What moves at a point, against the point before.
+pub struct Motion<'a> {
+    /// Slip direction, zero where a node sticks.
+    pub normal: &'a mut [f64],
+    /// Derivative of W, zero where a node sticks.
+    pub gradient: &'a mut [f64],
+    /// Change of the gradient.
+    pub change: &'a mut [f64],
+}
+
+/// What a look at the motion finds.
+pub struct Seen {
+    pub moves: bool,
+    /// The same nodes move as before.
+    pub is_same_set: bool,
+    /// `step . change`.
+    pub curvature: f64,
+    /// `step . gradient`.
+    pub progress: f64,
+}
+
+/// Slip directions and gradient of W at a point, and what has changed since the last step.
+#[inline(always)]
+pub fn motion<S: Simd>(
+    simd: S,
+    point: &Point,
+    (last_normal, last_gradient, last_step): (&[f64], &[f64], &[f64]),
+    out: Motion,
+) -> Seen {
+    let (zero, one) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
+    let (mut moving, mut changed) = (zero, zero);
+    let (mut curvature, mut progress) = (zero, zero);
+    map(
+        simd,
+        [
+            &point.w,
+            &point.y,
+            &point.law.bound,
+            last_normal,
+            last_gradient,
+            last_step,
+        ],
+        [out.normal, out.gradient, out.change],
+        #[inline(always)]
+        |[w, y, bound, last_normal, last_gradient, step]| {
+            let at_rest = simd.equal_f64s(w, zero);
+            let within = simd.less_than_or_equal_f64s(simd.abs_f64s(y), bound);
+            let sticks = simd.and_m64s(at_rest, within);
+            // a node at rest starts against the imbalance
+            let along = simd.select_f64s(at_rest, simd.neg_f64s(y), w);
+            let normal = simd.select_f64s(sticks, zero, with_sign(simd, one, along));
+            let gradient = simd.mul_add_e_f64s(bound, normal, y);
+            let gradient = simd.select_f64s(sticks, zero, gradient);
+            let change = simd.sub_f64s(gradient, last_gradient);
+            let stuck = simd.equal_f64s(last_normal, zero);
+            let flips = simd.xor_m64s(sticks, stuck);
+            changed = simd.select_f64s(flips, one, changed);
+            moving = simd.select_f64s(sticks, moving, one);
+            curvature = simd.mul_add_e_f64s(step, change, curvature);
+            progress = simd.mul_add_e_f64s(step, gradient, progress);
+            [normal, gradient, change]
+        },
+    );
+    Seen {
+        moves: simd.reduce_max_f64s(moving) > 0.0,
+        is_same_set: simd.reduce_max_f64s(changed) == 0.0,
+        curvature: simd.reduce_sum_f64s(curvature),
+        progress: simd.reduce_sum_f64s(progress),
+    }
+}
+
+/// How much the matrix wanted differs from the one at hand at every node, as a share of what the node resists with: above 1
+/// where a free node sticks or one that is not free moves. Returns the largest.
+#[inline(always)]
+pub fn differences<S: Simd>(
+    simd: S,
+    normal: &[f64],
+    slope: &[f64],
+    inverse: &Inverse,
+    out: &mut [f64],
+) -> f64 {
+    let (zero, much) = (simd.splat_f64s(0.0), simd.splat_f64s(2.0));
+    let mut largest = zero;
+    map(
+        simd,
+        [normal, slope, &inverse.blocks, &inverse.diagonal],
+        [out],
+        #[inline(always)]
+        |[normal, wanted, at_hand, diagonal]| {
+            let sticks = simd.equal_f64s(normal, zero);
+            let is_clamped = simd.equal_f64s(diagonal, zero);
+            let delta = simd.abs_f64s(simd.sub_f64s(wanted, at_hand));
+            let moving = simd.select_f64s(is_clamped, much, simd.mul_f64s(delta, diagonal));
+            let sticking = simd.select_f64s(is_clamped, zero, much);
+            let share = simd.select_f64s(sticks, sticking, moving);
+            largest = larger(simd, largest, share);
+            [share]
+        },
+    );
+    simd.reduce_max_f64s(largest)
+}
+
+/// `share * change - gradient`.
+#[inline(always)]
+pub fn right_side<S: Simd>(simd: S, share: f64, change: &[f64], gradient: &[f64], out: &mut [f64]) {
+    let share = simd.splat_f64s(share);
+    map(
+        simd,
+        [change, gradient],
+        [out],
+        #[inline(always)]
+        |[change, gradient]| {
+            let minus = simd.neg_f64s(gradient);
+            [simd.mul_add_e_f64s(share, change, minus)]
+        },
+    );
+}
+
+/// The step from the solution on all nodes, exactly zero where a node sticks, and `S step`. Returns `change . step`.
+#[inline(always)]
+pub fn step_of_all<S: Simd>(
+    simd: S,
+    (solution, rhs, blocks): (&[f64], &[f64], &[f64]),
+    normal: &[f64],
+    change: &[f64],
+    step: &mut [f64],
+    forces: &mut [f64],
+) -> f64 {
+    let zero = simd.splat_f64s(0.0);
+    let mut product = zero;
+    map(
+        simd,
+        [solution, rhs, blocks, normal, change],
+        [step, forces],
+        #[inline(always)]
+        |[solution, rhs, block, normal, change]| {
+            let sticks = simd.equal_f64s(normal, zero);
+            let step = simd.select_f64s(sticks, zero, solution);
+            product = simd.mul_add_e_f64s(change, step, product);
+            let own = simd.mul_f64s(block, step);
+            [step, simd.sub_f64s(rhs, own)]
+        },
+    );
+    simd.reduce_sum_f64s(product)
+}
+
+/// `to += factor * from`.
+#[inline(always)]
+pub fn add<S: Simd>(simd: S, factor: f64, from: &[f64], to: &mut [f64]) {
+    let factor = simd.splat_f64s(factor);
+    let (to, to_rest) = S::as_mut_simd_f64s(to);
+    let (from, from_rest) = S::as_simd_f64s(from);
+    for (to, from) in to.iter_mut().zip(from) {
+        *to = simd.mul_add_e_f64s(factor, *from, *to);
+    }
+    if !to_rest.is_empty() {
+        let from = simd.partial_load_f64s(from_rest);
+        let sum = simd.mul_add_e_f64s(factor, from, simd.partial_load_f64s(to_rest));
+        simd.partial_store_f64s(to_rest, sum);
+    }
+}
+
+/// Velocities, forces and rates at `length` steps from a point. Whether a node that moves would reverse.
+#[inline(always)]
+pub fn advance<S: Simd>(
+    simd: S,
+    from: &Point,
+    length: f64,
+    (step, forces, normal): (&[f64], &[f64], &[f64]),
+    to: &mut Point,
+) -> bool {
+    let (zero, one) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
+    let length = simd.splat_f64s(length);
+    let mut reverses = zero;
+    map(
+        simd,
+        [&from.w, &from.y, step, forces, normal],
+        [&mut to.w, &mut to.y, &mut to.rates],
+        #[inline(always)]
+        |[w, y, step, forces, normal]| {
+            let w = simd.mul_add_e_f64s(length, step, w);
+            let y = simd.mul_add_e_f64s(length, forces, y);
+            let forward = simd.mul_f64s(w, normal);
+            let is_back = simd.less_than_or_equal_f64s(forward, zero);
+            let flag = simd.select_f64s(is_back, one, zero);
+            // zero normal: a node that sticks does not reverse
+            reverses = larger(simd, reverses, simd.mul_f64s(flag, simd.abs_f64s(normal)));
+            [w, y, simd.abs_f64s(w)]
+        },
+    );
+    simd.reduce_max_f64s(reverses) > 0.0
+}

@@ -1,0 +1,63 @@
+//! Elementary functions that a compiler can vectorize: no branches, no calls.
+
+/// Adding and subtracting this rounds to an integer, which then stands in the lowest bits.
+const ROUND: f64 = 1.5 * (1_u64 << 52) as f64;
+/// ln 2 as a sum; multiples of the first part by an exponent are exact.
+const LN_2: [f64; 2] = [6.931_471_803_691_238e-1, 1.908_214_929_270_587_7e-10];
+/// The result is -1 to rounding long before this, and 2^k would leave the range of a number.
+const SMALLEST: f64 = -700.0;
+/// `1 / n!` for n = 2, 3, ...: the remainder is below rounding for arguments up to `ln 2 / 2`.
+const SERIES: [f64; 12] = {
+    let mut series = [0.5; 12];
+    let mut n = 1;
+    while n < series.len() {
+        series[n] = series[n - 1] / (n + 2) as f64;
+        n += 1;
+    }
+    series
+};
+
+/// `exp(x) - 1` for `x <= 0`, to a few units in the last place, small arguments included; exactly 0 at 0.
+#[inline(always)]
+pub fn exp_m1(x: f64) -> f64 {
+    // a comparison and not `max`: NaN stays NaN
+    let x = if x < SMALLEST { SMALLEST } else { x };
+    let shifted = x * std::f64::consts::LOG2_E + ROUND;
+    let k = shifted - ROUND;
+    let f = (x - k * LN_2[0]) - k * LN_2[1];
+    let mut sum = SERIES[SERIES.len() - 1];
+    for term in SERIES.iter().rev().skip(1) {
+        sum = sum * f + term;
+    }
+    let part = f + f * f * sum;
+    // 2^k from the bits of its exponent
+    let power = f64::from_bits(shifted.to_bits().wrapping_add(1023) << 52);
+    power * part + (power - 1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::exp_m1;
+
+    #[test]
+    fn agrees_with_the_library() {
+        assert_eq!(exp_m1(0.0), 0.0);
+        assert_eq!(exp_m1(-0.0), 0.0);
+        assert_eq!(exp_m1(f64::NEG_INFINITY), -1.0);
+        assert!(exp_m1(f64::NAN).is_nan());
+        let mut worst: f64 = 0.0;
+        for i in 0..200_000 {
+            for x in [
+                -1e-5 * f64::from(i),
+                -40.0 * f64::from(i) / 2e5,
+                -1e-18 * f64::from(i),
+            ] {
+                let exact = x.exp_m1();
+                if exact != 0.0 {
+                    worst = worst.max((exp_m1(x) / exact - 1.0).abs());
+                }
+            }
+        }
+        assert!(worst < 4.0 * f64::EPSILON, "{worst:e}");
+    }
+}
