@@ -63,7 +63,6 @@ for cycle in range(count):
         gc.collect()
         sizes.append(resident())
 left = len(os.listdir("/proc/self/task")); assert left == threads, (left, threads)
-# a destructor of a thread-local value keeps the library mapped until this thread ends, so that it is not asserted here
 _ctypes.dlclose(library.dll._handle)
 print(*sizes)
 """
@@ -76,6 +75,24 @@ def test_34_load_and_free_cycles_do_not_grow(paper):
     sizes = [int(x) for x in done.stdout.split()]
     # callbacks of ctypes cost some memory per cycle; a leaked model would be 40 kB
     assert (sizes[-1] - sizes[2]) / 900 < 2000, sizes
+
+
+@pytest.mark.parametrize("scene", ["kazmi2014", "brake_pad_3d", "seal", "sheared_column"])
+def test_34_library_is_unmapped_after_the_last_close(pack, version, scene):
+    """A thread-local value with a destructor would keep it mapped, and its scratch allocated, until the thread ends."""
+    library = Library(pack(scene, version))
+    is_mapped = lambda: library.path in open("/proc/self/maps").read()  # noqa: E731
+    pads = [stepped(Instance(library), count=4) for _ in range(2)]
+    load = next(v.name for v in library.variables.values() if v.causality == "input")
+    slip, length = library.reference("contact.slip"), library.length("contact.slip")
+    for pad in pads:
+        assert pad.step(4 * H, H / 2) == OK
+        assert pad.directional(slip, library.reference(load), [1.0], length)[0] == OK
+        assert pad.serialize(pad.save()[1])[0] == OK
+        pad.free()
+    assert is_mapped()
+    library.close()
+    assert not is_mapped()
 
 
 def test_35_unloading_right_after_a_step_does_not_crash(paper):
