@@ -134,6 +134,17 @@ impl Writer {
     }
 
     /// Rows, columns, then the entries column by column.
+    /// A matrix in single precision, two entries to a word.
+    pub fn singles(&mut self, matrix: MatRef<f32>) {
+        self.word(matrix.nrows() as u64);
+        self.word(matrix.ncols() as u64);
+        let mut entries = matrix.col_iter().flat_map(|column| column.iter());
+        while let Some(first) = entries.next() {
+            let second = entries.next().map_or(0, |v| v.to_bits());
+            self.word(u64::from(first.to_bits()) | u64::from(second) << 32);
+        }
+    }
+
     pub fn matrix(&mut self, matrix: MatRef<f64>) {
         self.word(matrix.nrows() as u64);
         self.word(matrix.ncols() as u64);
@@ -221,6 +232,23 @@ impl<'a> Reader<'a> {
 
     /// A matrix of the given shape.
     pub fn matrix(&mut self, rows: usize, columns: usize) -> Result<Mat<f64>> {
+        let count = self.shape(rows, columns)?;
+        let values: Vec<f64> = self.words(count)?.map(f64::from_bits).collect();
+        Ok(Mat::from_fn(rows, columns, |i, j| values[j * rows + i]))
+    }
+
+    /// A matrix in single precision.
+    pub fn singles(&mut self, rows: usize, columns: usize) -> Result<Mat<f32>> {
+        let count = self.shape(rows, columns)?;
+        let words: Vec<u64> = self.words(count.div_ceil(2))?.collect();
+        Ok(Mat::from_fn(rows, columns, |i, j| {
+            let at = j * rows + i;
+            f32::from_bits((words[at / 2] >> (32 * (at % 2))) as u32)
+        }))
+    }
+
+    /// The shape of a matrix, which must be this one; its number of entries.
+    fn shape(&mut self, rows: usize, columns: usize) -> Result<u64> {
         let found = (self.size()?, self.size()?);
         if found != (rows, columns) {
             return Err(Reader::refusal(format!(
@@ -228,9 +256,7 @@ impl<'a> Reader<'a> {
                 found.0, found.1
             )));
         }
-        let count = (rows as u64).saturating_mul(columns as u64);
-        let values: Vec<f64> = self.words(count)?.map(f64::from_bits).collect();
-        Ok(Mat::from_fn(rows, columns, |i, j| values[j * rows + i]))
+        Ok((rows as u64).saturating_mul(columns as u64))
     }
 
     /// # Errors

@@ -1,18 +1,58 @@
 //! Weighted Gram matrices of tall columns, as dot products of four columns with two at a time.
 
 use super::kernel::{column, tile};
+use super::single;
 use faer::MatRef;
 use pulp::{Arch, Simd, WithSimd};
+use std::ops::Range;
 
 /// Rows summed at a time, and columns that meanwhile stay in the first-level cache.
 const PANEL: (usize, usize) = (256, 8);
 /// Columns of the other factor.
 const BLOCK: usize = 4;
 
+/// A tall matrix whose columns are looked at panel by panel, in double precision.
+#[derive(Clone, Copy)]
+pub enum Panels<'a> {
+    Double(MatRef<'a, f64>),
+    Single(MatRef<'a, f32>),
+}
+
+impl<'a> Panels<'a> {
+    fn shape(&self) -> (usize, usize) {
+        match self {
+            Panels::Double(a) => (a.nrows(), a.ncols()),
+            Panels::Single(a) => (a.nrows(), a.ncols()),
+        }
+    }
+
+    /// Rows of a column: a view of them, or converted into `buffer`.
+    #[inline(always)]
+    fn panel<'b>(
+        &self,
+        (j, rows): (usize, Range<usize>),
+        buffer: &'b mut [f64; PANEL.0],
+    ) -> &'b [f64]
+    where
+        'a: 'b,
+    {
+        match *self {
+            Panels::Double(a) => &column(a, j)[rows],
+            Panels::Single(a) => {
+                let values = &single::column(a, j)[rows];
+                for (to, value) in buffer.iter_mut().zip(values) {
+                    *to = f64::from(*value);
+                }
+                &buffer[..values.len()]
+            }
+        }
+    }
+}
+
 /// Lower triangle of `ports^T diag(weights) ports`, into the columns of `out`.
-pub fn weighted_gram(ports: MatRef<f64>, weights: &[f64], out: &mut [f64]) {
-    assert_eq!(ports.nrows(), weights.len());
-    assert_eq!(ports.ncols() * ports.ncols(), out.len());
+pub fn weighted_gram(ports: Panels, weights: &[f64], out: &mut [f64]) {
+    let (r, m) = ports.shape();
+    assert_eq!((r, m * m), (weights.len(), out.len()));
     Arch::new().dispatch(WeightedGram {
         ports,
         weights,
@@ -21,7 +61,7 @@ pub fn weighted_gram(ports: MatRef<f64>, weights: &[f64], out: &mut [f64]) {
 }
 
 struct WeightedGram<'a> {
-    ports: MatRef<'a, f64>,
+    ports: Panels<'a>,
     weights: &'a [f64],
     out: &'a mut [f64],
 }
@@ -36,23 +76,31 @@ impl WithSimd for WeightedGram<'_> {
             weights,
             out,
         } = self;
-        let (r, m) = (ports.nrows(), ports.ncols());
+        let (r, m) = ports.shape();
         let mut scaled = [[0.0; PANEL.0]; PANEL.1];
+        let mut buffers = [[0.0; PANEL.0]; BLOCK];
         out.fill(0.0);
         for from in (0..r).step_by(PANEL.0) {
             let rows = from..r.min(from + PANEL.0);
             // beyond the last column stands the last one again, and is left out
-            let port = |j: usize| &column(ports, j.min(m - 1))[rows.clone()];
+            let at = |j: usize| (j.min(m - 1), rows.clone());
             for j in (0..m).step_by(PANEL.1) {
                 for (q, scaled) in scaled.iter_mut().enumerate() {
-                    let values = port(j + q).iter().zip(&weights[rows.clone()]);
+                    let values = ports.panel(at(j + q), &mut buffers[0]);
+                    let values = values.iter().zip(&weights[rows.clone()]);
                     for (scaled, (value, weight)) in scaled.iter_mut().zip(values) {
                         *scaled = value * weight;
                     }
                 }
                 let last = m.min(j + PANEL.1);
                 for i in (0..last).step_by(BLOCK) {
-                    let x = [port(i), port(i + 1), port(i + 2), port(i + 3)];
+                    let [a, b, c, d] = &mut buffers;
+                    let x = [
+                        ports.panel(at(i), a),
+                        ports.panel(at(i + 1), b),
+                        ports.panel(at(i + 2), c),
+                        ports.panel(at(i + 3), d),
+                    ];
                     for q in (0..last - j).step_by(2) {
                         let y = [&scaled[q][..rows.len()], &scaled[q + 1][..rows.len()]];
                         let sums = tile(simd, x, y);
@@ -70,7 +118,7 @@ impl WithSimd for WeightedGram<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::weighted_gram;
+    use super::{Panels, weighted_gram};
     use faer::Mat;
 
     #[test]
@@ -80,7 +128,7 @@ mod tests {
             let ports = Mat::from_fn(r, m, noise);
             let weights: Vec<f64> = (0..r).map(|i| 1.0 / (1.0 + i as f64)).collect();
             let mut gram = vec![0.0; m * m];
-            weighted_gram(ports.as_ref(), &weights, &mut gram);
+            weighted_gram(Panels::Double(ports.as_ref()), &weights, &mut gram);
             let scaled = Mat::from_fn(r, m, |i, j| weights[i] * ports[(i, j)]);
             let exact = ports.transpose() * scaled;
             for j in 0..m {

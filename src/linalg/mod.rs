@@ -8,12 +8,14 @@ mod kernel;
 pub mod lanes;
 pub mod modal;
 mod ordering;
+mod single;
 mod sparse;
+mod stored;
 mod tiles;
 
 pub use cholesky::DenseCholesky;
 pub use dense::{mirror_lower, symmetric_eigen, symmetric_eigenvalues};
 pub use elementary::exp_m1;
-pub use gram::weighted_gram;
 pub use kernel::{column, dot, multiply, multiply_transposed};
 pub use sparse::SparseCholesky;
+pub use stored::StoredMatrix;

@@ -132,7 +132,13 @@ fn read_parts(from: &mut Reader, scene: &Scene) -> Result<Parts> {
     let body: Arc<dyn BodyModel> = match kind {
         ModelKind::Full => Arc::new(Full(field()?)),
         ModelKind::Condensed => Arc::new(Condensed(field()?)),
-        _ => Arc::new(Reduced::read(from, contact_len, loads, outputs)?),
+        _ => Arc::new(Reduced::read(
+            from,
+            contact_len,
+            loads,
+            outputs,
+            scene.fidelity.precision,
+        )?),
     };
     Ok(Parts {
         kind,

@@ -183,12 +183,12 @@ fn keep(scene: &Scene, body: &Body, cholesky: &SparseCholesky) -> Result<Kept> {
         reduction: Some(reduction.record),
         synthesis: Some(reduction.synthesis),
     };
-    let tolerance = scene.fidelity.tolerance;
+    let reduction = || reduce(body, cholesky, &scene.fidelity);
     match scene.fidelity.model {
         ModelKind::Full => Ok(whole(ModelKind::Full, Arc::new(Full(Field::new(body)?)))),
         ModelKind::Condensed => condensed(),
-        ModelKind::Reduced => Ok(reduced(reduce(body, cholesky, tolerance)?)),
-        ModelKind::Auto => match reduce(body, cholesky, tolerance) {
+        ModelKind::Reduced => Ok(reduced(reduction()?)),
+        ModelKind::Auto => match reduction() {
             Ok(reduction) if is_reduction_cheaper(&reduction, body, cholesky) => {
                 Ok(reduced(reduction))
             }

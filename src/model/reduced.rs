@@ -7,7 +7,8 @@ use super::body_model::{BodyModel, Scratch, Stage};
 use super::reduction::add_response;
 use crate::bytes::{Reader, Writer};
 use crate::error::{Error, Result};
-use crate::linalg::{DenseCholesky, modal, multiply, multiply_transposed, weighted_gram};
+use crate::linalg::{DenseCholesky, StoredMatrix, modal, multiply, multiply_transposed};
+use crate::scene::Precision;
 use dyn_stack::{MemBuffer, StackReq};
 use faer::Mat;
 
@@ -15,7 +16,7 @@ pub struct Reduced {
     /// Relaxation rates, 1/s, ascending.
     pub rates: Vec<f64>,
     /// Contact velocities of every mode: states x contact length.
-    pub contact: Mat<f64>,
+    pub contact: StoredMatrix,
     /// Loads, then probes, of every mode: states x outputs.
     pub outputs: Mat<f64>,
     /// How many of the outputs are loads.
@@ -53,7 +54,7 @@ impl BodyModel for Reduced {
             *d = 1.0 / (1.0 + theta_k * rate);
         }
         let compliance = &mut scratch.matrix[..m * m];
-        weighted_gram(self.contact.as_ref(), &stage.factor, compliance);
+        self.contact.weighted_gram(&stage.factor, compliance);
         if !scratch.dense.factor(m, |j, column| {
             column.copy_from_slice(&compliance[j * m + j..(j + 1) * m]);
         }) {
@@ -70,7 +71,8 @@ impl BodyModel for Reduced {
         let loads = self.outputs.as_ref().subcols(0, self.loads);
         multiply(loads, f, &mut scratch.free);
         modal::free_motion(&mut scratch.free, &self.rates, p, &stage.factor);
-        multiply_transposed(self.contact.as_ref(), &scratch.free, &mut scratch.contact);
+        self.contact
+            .multiply_transposed(&scratch.free, &mut scratch.contact);
         multiply(stage.s.as_ref(), &scratch.contact, r);
     }
 
@@ -82,7 +84,7 @@ impl BodyModel for Reduced {
         w: &mut [f64],
         scratch: &mut Scratch,
     ) {
-        multiply(self.contact.as_ref(), contact_force, w);
+        self.contact.multiply(contact_force, w);
         modal::corrected_motion(w, &scratch.free, &stage.factor);
     }
 
@@ -101,13 +103,13 @@ impl BodyModel for Reduced {
     }
 
     fn bytes(&self) -> usize {
-        let numbers = self.rates.len() * (1 + self.contact.ncols() + self.outputs.ncols());
-        numbers * std::mem::size_of::<f64>()
+        let numbers = self.rates.len() * (1 + self.outputs.ncols());
+        numbers * std::mem::size_of::<f64>() + self.contact.bytes()
     }
 
     fn write(&self, out: &mut Writer) {
         out.floats(&self.rates);
-        out.matrix(self.contact.as_ref());
+        self.contact.write(out);
         out.matrix(self.outputs.as_ref());
     }
 }
@@ -117,8 +119,9 @@ impl Reduced {
     pub fn compliance(&self, x: f64, y: f64) -> Mat<f64> {
         let m = self.contact.ncols();
         let mut compliance = Mat::zeros(m, m);
-        let (to, ports) = (compliance.as_mut(), self.contact.as_ref());
-        add_response(to, 1.0, ports, &self.rates, (x, y));
+        let ports = self.contact.to_double();
+        let to = compliance.as_mut();
+        add_response(to, 1.0, ports.as_ref(), &self.rates, (x, y));
         compliance
     }
 
@@ -131,10 +134,12 @@ impl Reduced {
         contact: usize,
         loads: usize,
         outputs: usize,
+        precision: Precision,
     ) -> Result<Reduced> {
         let rates = from.floats()?;
+        let is_single = precision == Precision::Single;
         Ok(Reduced {
-            contact: from.matrix(rates.len(), contact)?,
+            contact: StoredMatrix::read(from, is_single, (rates.len(), contact))?,
             outputs: from.matrix(rates.len(), outputs)?,
             loads,
             rates,

@@ -15,7 +15,8 @@ use super::shifts::{Shifts, shift};
 use super::transfer::{PortMatrix, Sampler};
 use crate::error::{Error, Result};
 use crate::fem::Body;
-use crate::linalg::{SparseCholesky, mirror_lower, symmetric_eigenvalues};
+use crate::linalg::{SparseCholesky, StoredMatrix, mirror_lower, symmetric_eigenvalues};
+use crate::scene::{Fidelity, Precision};
 use faer::linalg::matmul::triangular::{BlockStructure, matmul};
 use faer::linalg::triangular_solve::solve_upper_triangular_in_place;
 use faer::{Accum, Mat, MatMut, MatRef, Par};
@@ -62,11 +63,12 @@ pub struct Synthesis {
     pub reference_rate: f64,
 }
 
-/// Reduces `body` until the samples between the shifts agree to `tolerance`.
+/// Reduces `body` until the samples between the shifts agree to the tolerance, in the precision in which it is to be kept.
 ///
 /// # Errors
 /// [`Error::ReductionInaccurate`] when the tolerance is out of reach, [`Error::NotPositiveDefinite`] when the body is not held.
-pub fn reduce(body: &Body, cholesky: &SparseCholesky, tolerance: f64) -> Result<Reduction> {
+pub fn reduce(body: &Body, cholesky: &SparseCholesky, fidelity: &Fidelity) -> Result<Reduction> {
+    let (tolerance, precision) = (fidelity.tolerance, fidelity.precision);
     let [slowest, fastest] = body.element_rates;
     let reference_rate = (slowest * fastest).sqrt();
     let interval = [slowest / reference_rate, fastest / reference_rate];
@@ -80,7 +82,11 @@ pub fn reduce(body: &Body, cholesky: &SparseCholesky, tolerance: f64) -> Result<
             .collect()
     };
     // the condition of the operators, and with it the rounding of the samples, grows like the number of dofs
-    let rounding = 2.0 * f64::EPSILON * body.len() as f64;
+    let unit = match precision {
+        Precision::Double => f64::EPSILON,
+        Precision::Single => f64::from(f32::EPSILON),
+    };
+    let rounding = 2.0 * unit * body.len() as f64;
     let emphasis = (tolerance / rounding).clamp(1.0, LOAD_EMPHASIS);
     let (weights, emphasis) = (of_loads(LOAD_WEIGHT), of_loads(emphasis));
 
@@ -101,11 +107,19 @@ pub fn reduce(body: &Body, cholesky: &SparseCholesky, tolerance: f64) -> Result<
             .to_vec();
         ranks.dedup();
         for rank in ranks {
-            let modes = projection.modes(rank, interval)?;
+            let mut modes = projection.modes(rank, interval)?;
             check_rates(&modes, body.element_rates, reference_rate)?;
+            let kept = keep(&mut modes, &sampled.scaling, precision);
             let achieved = sampled.error(&modes)?.max(f64::EPSILON);
             if achieved <= tolerance {
-                return Ok(finish(modes, &sampled, achieved, loads, reference_rate));
+                return Ok(finish(
+                    modes,
+                    kept,
+                    &sampled,
+                    achieved,
+                    loads,
+                    reference_rate,
+                ));
             }
             if achieved < best.0 {
                 best = (achieved, rank);
@@ -120,25 +134,43 @@ pub fn reduce(body: &Body, cholesky: &SparseCholesky, tolerance: f64) -> Result<
     })
 }
 
-/// The modes in the units of the scene.
+/// Contact velocities and outputs of the modes in the units of the scene, as they are kept; the modes become those that were
+/// kept.
+fn keep(modes: &mut Modes, scaling: &Scaling, precision: Precision) -> (StoredMatrix, Mat<f64>) {
+    let ports = scaling.unapply(&modes.ports);
+    let (contact, outputs) = ports.split_at_col(scaling.contact_len());
+    let contact = match precision {
+        Precision::Double => StoredMatrix::Double(contact.to_owned()),
+        Precision::Single => {
+            let single = StoredMatrix::single(contact);
+            let rounded = scaling.contact_velocities(&single.to_double());
+            let mut ports = modes.ports.as_mut().subcols_mut(0, rounded.ncols());
+            ports.copy_from(rounded);
+            single
+        }
+    };
+    (contact, outputs.to_owned())
+}
+
+/// The modes, with what is kept of their ports.
 fn finish(
     modes: Modes,
+    (contact, outputs): (StoredMatrix, Mat<f64>),
     sampled: &Sampled,
     achieved: f64,
     loads: usize,
     reference_rate: f64,
 ) -> Reduction {
     let (scaling, shifts) = (&sampled.scaling, &sampled.shifts);
-    let ports = scaling.unapply(&modes.ports);
-    let (m, contact) = (ports.ncols(), scaling.contact_len());
+    let m = modes.ports.ncols();
     let mut forces = modes.forces;
     for shift in 0..shifts.count() {
         scaling.apply_to_forces(forces.as_mut().subrows_mut(shift * m, m));
     }
     Reduction {
         reduced: Reduced {
-            contact: ports.get(.., ..contact).to_owned(),
-            outputs: ports.get(.., contact..m).to_owned(),
+            contact,
+            outputs,
             loads,
             rates: modes.rates.iter().map(|r| r * reference_rate).collect(),
         },

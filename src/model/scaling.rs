@@ -158,6 +158,11 @@ impl Scaling {
         &self.lower * scaled
     }
 
+    /// Scaled contact velocities of modes (states x contact).
+    pub fn contact_velocities(&self, velocities: &Mat<f64>) -> Mat<f64> {
+        velocities * &self.lower
+    }
+
     /// Port velocities of modes (states x ports) back from scaled ports.
     pub fn unapply(&self, ports: &Mat<f64>) -> Mat<f64> {
         let contact = self.contact_len();

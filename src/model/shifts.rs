@@ -336,12 +336,6 @@ mod tests {
     fn outer_samples_sharpen_the_derivatives() {
         for tolerance in [1e-4, 1e-6, 1e-8, 1e-9] {
             let shifts = Shifts::for_tolerance(INTERVAL, tolerance).unwrap();
-            println!(
-                "{tolerance} {} {} {}",
-                shifts.count(),
-                shifts.angles.len(),
-                shifts.derivative_error
-            );
             assert!(shifts.angles.is_sorted());
             let plain = Shifts::with_outer_samples(INTERVAL, shifts.count(), 0);
             assert!(shifts.angles.len() > plain.angles.len());

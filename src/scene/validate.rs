@@ -28,6 +28,7 @@ pub(super) fn check(scene: &Scene) -> Verdict {
         check_probe(&scene.mesh, probe, &format!("probes[{i}].at"))?;
     }
     check_time(&scene.time)?;
+    check_precision(&scene.fidelity)?;
     check_signals(scene)
 }
 
@@ -305,6 +306,21 @@ fn check_probe(mesh: &MeshSpec, probe: &Probe, path: &str) -> Verdict {
         })?;
     }
     Ok(())
+}
+
+/// Only a reduced model has a port matrix.
+fn check_precision(fidelity: &Fidelity) -> Verdict {
+    let is_reduced = fidelity.model == ModelKind::Reduced;
+    ensure(
+        is_reduced || fidelity.precision == Precision::Double,
+        || {
+            Refusal::new(
+                "fidelity.precision",
+                "\"single\" without fidelity.model \"reduced\"",
+                "double, or reduced as fidelity.model",
+            )
+        },
+    )
 }
 
 /// The step of an explicit scheme is bounded by its stability: errors that grow with twice the step say nothing.

@@ -71,6 +71,8 @@ pub struct Fidelity {
     /// Relative error of the reduced body seen through its ports. Default: 1e-8; a smaller one keeps more states.
     #[schemars(range(min = 1e-12, max = 1e-1))]
     pub tolerance: f64,
+    /// Precision in which a reduced model keeps its port matrix; only with `model` `reduced`. Default: `double`.
+    pub precision: Precision,
     /// Relative residual of the friction law at every contact node. Default: 1e-10; costs few iterations.
     #[schemars(range(min = 1e-14, max = 1e-2))]
     pub friction_tolerance: f64,
@@ -96,12 +98,25 @@ impl Default for Fidelity {
         Fidelity {
             model: ModelKind::Auto,
             tolerance: 1e-8,
+            precision: Precision::Double,
             friction_tolerance: 1e-10,
             target_error: None,
             solver: FrictionSolver::default(),
             multiplicity_test: false,
         }
     }
+}
+
+/// Precision of numbers kept in memory.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Precision {
+    /// 64 bits.
+    #[default]
+    Double,
+    /// 32 bits: half the memory, and half the memory traffic of a step; the reduction is then good to 1e-5 or so, and a smaller
+    /// `tolerance` is refused. All arithmetic stays double.
+    Single,
 }
 
 /// What is kept of the body.
