@@ -400,6 +400,25 @@ fn explicit_scheme_has_no_step_control() {
 }
 
 #[test]
+fn a_target_and_a_tolerance_do_not_both_choose_the_steps() {
+    let text = text_of("kazmi2014").replace(
+        r#""step": 0.03125"#,
+        r#""step": 0.03125, "tolerance": 1e-3"#,
+    );
+    assert!(Scene::from_json(&text, "test.json").is_ok());
+    let text = text.replace(
+        r#""model": "reduced""#,
+        r#""model": "reduced", "target_error": 0.1"#,
+    );
+    let expected = (
+        "fidelity.target_error",
+        "beside time.tolerance",
+        "without time.tolerance",
+    );
+    assert_refused(&text, expected);
+}
+
+#[test]
 fn scenes_changed_in_rust_are_validated_alike() {
     let mut scene = Scene::from_json(text_of("kazmi2014"), "test.json").expect("valid");
     assert_eq!(scene.validate("test.json"), Ok(()));

@@ -61,7 +61,39 @@ fn errors_fall_with_cells_and_with_steps_down_to_the_limit_of_the_reference() {
         .with("time.step", "0.0078125");
     let alike = judge(alike).of(Quantity::SlipRate).unwrap();
     assert_eq!(alike.figure(), None);
-    assert!(alike.bound() > 10.0 * alike.uncertainty());
+    assert!(alike.bound() < 11.0 * alike.uncertainty());
+}
+
+/// What a reference says is left in it is not less than its difference from a far finer one.
+#[test]
+fn what_is_left_in_the_reference_covers_its_error() {
+    let seal = Scene::from_json(stickslip::scene::example("seal").unwrap(), "seal").unwrap();
+    let coarser = Setting::unchanged().with("mesh.cells", cells(&seal, 0.5));
+    let seal = coarser.apply(&seal).unwrap();
+    let changes = [("time.step", "0.0625"), ("fidelity.model", "auto")];
+    for scene in [paper(16, &changes), seal] {
+        let name = &scene.name;
+        let mut study = Study::new(&scene);
+        let mut reference = Reference::new(&mut study).unwrap();
+        let mut levels = Vec::new();
+        for _ in 0..2 {
+            let setting = reference.next_setting(study.scene());
+            let setting = setting.with("fidelity.tolerance", "1e-8");
+            reference.refine(&mut study).unwrap();
+            let left = Quantity::JUDGED.map(|q| reference.uncertainty(q).unwrap());
+            levels.push((sample(&mut study, &setting), left));
+        }
+        for _ in 0..3 {
+            reference.refine(&mut study).unwrap();
+        }
+        for (sample, left) in &levels {
+            let verdict = reference.judge(sample).unwrap();
+            for (quantity, left) in Quantity::JUDGED.iter().zip(left) {
+                let error = verdict.of(*quantity).unwrap().error();
+                assert!(error < *left, "{name}, {quantity:?}: {error} of {left}");
+            }
+        }
+    }
 }
 
 /// Work is counted: a run takes half as many multiplications with half the steps, but for the iterations.

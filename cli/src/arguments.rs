@@ -98,6 +98,10 @@ pub struct TradeoffOptions {
     /// Draw the errors against the cost of a run (PNG and SVG).
     #[arg(long, value_name = "DIR")]
     pub plots: Option<PathBuf>,
+    /// Write a short table and the sentences as Markdown: between the lines `<!-- tradeoff NAME: begin -->` and
+    /// `<!-- tradeoff NAME: end -->` of a file that has them (NAME is that of the scene), or into a new file.
+    #[arg(long, value_name = "FILE")]
+    pub markdown: Option<PathBuf>,
 }
 
 #[derive(Clone, Copy, PartialEq, ValueEnum)]

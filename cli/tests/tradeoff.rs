@@ -47,7 +47,21 @@ fn rows(shell: &Shell, name: &str) -> Vec<Row> {
 #[test]
 fn the_table_the_csv_and_the_picture_tell_what_was_measured() {
     let shell = Shell::new();
-    let options = ["--budget", "4", "--csv", "made/here.csv", "--plots", "p"];
+    let options = [
+        "--budget",
+        "4",
+        "--csv",
+        "made/here.csv",
+        "--plots",
+        "p",
+        "--markdown",
+        "read.md",
+    ];
+    let (begin, end) = (
+        "<!-- tradeoff kazmi2014: begin -->\n",
+        "<!-- tradeoff kazmi2014: end -->\n",
+    );
+    shell.write("read.md", &format!("# Before\n{begin}old\n{end}after\n"));
     let printed = shell.succeed(&[&SMALL[..], &options].concat());
     let rows = rows(&shell, "made/here.csv");
     assert_eq!(rows[0].text("group"), "as given");
@@ -65,6 +79,27 @@ fn the_table_the_csv_and_the_picture_tell_what_was_measured() {
         );
     }
     assert!(shell.has("p/tradeoff.png") && shell.has("p/tradeoff.svg"));
+
+    let text = std::fs::read_to_string(shell.folder.path().join("read.md")).unwrap();
+    let (before, rest) = text.split_once(begin).unwrap();
+    let (table, after) = rest.split_once(end).unwrap();
+    assert_eq!((before, after), ("# Before\n", "after\n"));
+    assert!(table.starts_with("`stickslip tradeoff kazmi2014 --set 'mesh.cells=[8,4]'"));
+    for promised in [
+        "| as given | ",
+        "| full | ",
+        "* for 10 % in slip rate use `--set",
+    ] {
+        assert!(table.contains(promised), "{promised} is not in\n{table}");
+    }
+    assert!(!table.contains("old"));
+
+    // steps that a tolerance chooses are among the settings
+    for group in ["steps", "joint"] {
+        let is_chosen = |r: &&Row| r.text("set").contains("time.tolerance=1e-1");
+        let of_group = rows.iter().filter(|r| r.text("group") == group);
+        assert!(of_group.filter(is_chosen).count() > 0, "{group}");
+    }
 
     // numbers are numbers: shortest text that reads back equal, and not negative
     for row in &rows {
@@ -175,6 +210,22 @@ fn without_a_budget_the_scene_alone_is_measured_and_the_rest_is_named() {
     }
 }
 
+/// What may not fit the memory is named, and not compiled.
+#[test]
+fn what_is_too_large_is_not_compiled() {
+    let shell = Shell::new();
+    let printed = shell.succeed(&["tradeoff", "brake_pad_3d", "--budget", "0"]);
+    let line = printed
+        .lines()
+        .find(|line| line.starts_with("not compiled, because by estimate it takes more than"))
+        .unwrap();
+    assert!(line.contains("mesh.cells=[64,12,32] ("), "{line}");
+    let large = ["--set", "mesh.cells=[64,12,32]"];
+    let line = shell.fail(&[&["tradeoff", "brake_pad_3d"][..], &large].concat());
+    assert!(line.contains("brake_pad_3d: at mesh.cells"), "{line}");
+    assert!(line.contains("GB of memory"), "{line}");
+}
+
 #[test]
 fn mistakes_are_told_as_by_the_other_commands() {
     let shell = Shell::new();
@@ -193,6 +244,11 @@ fn mistakes_are_told_as_by_the_other_commands() {
     shell.write("file", "");
     let line = shell.fail(&[&SMALL[..], &["--budget", "0", "--csv", "file/x.csv"]].concat());
     assert!(line.contains("cannot write"));
+    let line = shell.fail(&[&SMALL[..], &["--budget", "0", "--markdown", "file"]].concat());
+    assert!(
+        line.contains("no lines <!-- tradeoff kazmi2014: begin -->"),
+        "{line}"
+    );
 }
 
 #[test]

@@ -29,6 +29,7 @@ pub(super) fn check(scene: &Scene) -> Verdict {
     }
     check_time(&scene.time)?;
     check_precision(&scene.fidelity)?;
+    check_target(scene)?;
     check_signals(scene)
 }
 
@@ -321,6 +322,19 @@ fn check_precision(fidelity: &Fidelity) -> Verdict {
             )
         },
     )
+}
+
+/// Two ways to choose the steps.
+fn check_target(scene: &Scene) -> Verdict {
+    let has_both = scene.fidelity.target_error.is_some() && scene.time.tolerance.is_some();
+    ensure(!has_both, || {
+        let found = "a value beside time.tolerance, which chooses the steps";
+        Refusal::new(
+            "fidelity.target_error",
+            found,
+            "a target without time.tolerance",
+        )
+    })
 }
 
 /// The step of an explicit scheme is bounded by its stability: errors that grow with twice the step say nothing.

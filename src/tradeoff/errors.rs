@@ -3,14 +3,18 @@
 //! With the instants t_n that all settings have, the start among them, the error of a quantity q is
 //!
 //! ```text
-//! sqrt( sum_n |q(t_n) - q*(t_n)|^2 / sum_n |q*(t_n)|^2 )
+//! ( sum_n |q(t_n) - q*(t_n)|^p / sum_n |q*(t_n)|^p )^(1/p)
 //! ```
 //!
-//! | quantity | norm at an instant |
-//! |---|---|
-//! | slip rate, tangential stress | discrete L2 over the contact: sqrt(sum_i omega_i \|q_i\|^2) at the reference's contact nodes, omega_i their weights |
-//! | displacement | Euclidean, over the work-conjugate displacements of the loads and the components of the probes |
-//! | force | Euclidean, over the tangential components |
+//! | quantity | p | norm at an instant |
+//! |---|---|---|
+//! | slip rate | 2 | discrete L2 over the contact: sqrt(sum_i omega_i \|q_i\|^2) at the reference's contact nodes, omega_i their weights |
+//! | tangential stress | 1 | discrete L1 over the contact: sum_i omega_i \|q_i\| |
+//! | displacement | 2 | Euclidean, over the work-conjugate displacements of the loads and the components of the probes |
+//! | force | 2 | Euclidean, over the tangential components |
+//!
+//! The stress jumps where the slip changes its direction. A jump that is off by a distance d is an error of the order of d in
+//! L1, and of its square root in L2.
 
 use super::surface::{Kind, Surface, Transfer};
 use super::trajectory::{Instant, Trajectory};
@@ -35,8 +39,16 @@ impl Quantity {
     ];
 
     /// Those that a target bounds. The stress is not among them: it jumps where the slip changes its direction, and a jump
-    /// that is off by a fraction of a cell is an error in L2 of the order of the square root of that fraction.
+    /// that is off by a fraction of a cell is an error of the order of that fraction of a cell, however smooth the rest.
     pub const JUDGED: [Quantity; 3] = [Quantity::SlipRate, Quantity::Displacement, Quantity::Force];
+
+    /// The exponent p of its error: see the module.
+    fn power(self) -> f64 {
+        match self {
+            Quantity::TangentialStress => 1.0,
+            _ => 2.0,
+        }
+    }
 
     /// Name as in sentences and, with underscores, in tables.
     pub fn name(self) -> &'static str {
@@ -90,12 +102,14 @@ pub fn errors(
     for own in &run.instants {
         let exact = same_instant(reference, own.time)?;
         for (i, (own, exact)) in own.fields().into_iter().zip(exact.fields()).enumerate() {
-            error[i] += square(&difference(own, exact, transfers[i]), weights[i]);
-            scale[i] += square(exact, weights[i]);
+            let power = Quantity::ALL[i].power();
+            error[i] += sum_of_powers(&difference(own, exact, transfers[i]), weights[i], power);
+            scale[i] += sum_of_powers(exact, weights[i], power);
         }
     }
-    Ok(Errors(std::array::from_fn(|i| {
-        (scale[i] > 0.0).then(|| (error[i] / scale[i]).sqrt())
+    Ok(Errors(Quantity::ALL.map(|quantity| {
+        let i = quantity as usize;
+        (scale[i] > 0.0).then(|| (error[i] / scale[i]).powf(1.0 / quantity.power()))
     })))
 }
 
@@ -119,15 +133,16 @@ fn difference(own: &[f64], exact: &[f64], transfer: Option<&Transfer>) -> Vec<f6
     own.iter().zip(exact).map(|(a, b)| a - b).collect()
 }
 
-/// `sum_i weight_i |v_i|^2`, components inner; without weights the Euclidean norm.
-fn square(values: &[f64], weights: &[f64]) -> f64 {
+/// `sum_i weight_i |v_i|^power`, components inner; without weights one vector of weight 1.
+fn sum_of_powers(values: &[f64], weights: &[f64], power: f64) -> f64 {
     let components = match weights.len() {
         0 => values.len().max(1),
         nodes => values.len() / nodes,
     };
     let weight = |node: usize| weights.get(node).copied().unwrap_or(1.0);
     let nodes = values.chunks(components.max(1)).enumerate();
+    let square = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>();
     nodes
-        .map(|(node, v)| weight(node) * v.iter().map(|x| x * x).sum::<f64>())
+        .map(|(node, v)| weight(node) * square(v).powf(0.5 * power))
         .sum()
 }

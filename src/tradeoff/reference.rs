@@ -7,11 +7,13 @@
 //! mean ratio of the last differences, the error left is taken as
 //!
 //! ```text
-//! d max(1, 1 / (r - 1))
+//! d max(m, 1 / (r - 1))
 //! ```
 //!
-//! in space and in time, and both are added: a geometric series, which counts on first order where levels converge faster.
-//! Levels that do not approach each other (`r <= 1`) leave it unknown. What is refined next is what contributes most.
+//! in space and in time, and both are added, with the tolerance of the reduction: a geometric series. The floor m counts on
+//! first order (1) where r is the ratio of two differences, and on second order (1/3) where it is the mean of two ratios; of
+//! one difference alone 2 d is left, which counts on order 0.6. Levels that do not approach each other (`r <= 1`) leave it
+//! unknown. What is refined next is what contributes most.
 //! An error is a figure only where it is ten times what is left or more.
 
 use super::errors::{Errors, Quantity};
@@ -21,11 +23,14 @@ use super::study::{Candidate, Sample, Study};
 use super::trajectory::Work;
 use crate::course::Points;
 use crate::error::{Error, Result};
+use crate::scene::{ModelKind, Scene};
 
 /// How many times more accurate than a measured setting the reference is.
 pub const MARGIN: f64 = 10.0;
 /// Tolerances of the reduction that the reference tries, tightest first; a body that none of them reduces stays whole.
-const REDUCTION_TOLERANCES: [&str; 3] = ["1e-10", "1e-9", "1e-8"];
+const REDUCTION_TOLERANCES: [f64; 2] = [1e-8, 1e-6];
+/// Least share of the last difference that is taken to be left, by the number of ratios that were measured.
+const FLOORS: [f64; 3] = [2.0, 1.0, 1.0 / 3.0];
 /// Differences below this are rounding, and need not fall any more.
 const ROUNDING: f64 = 1e-9;
 /// Share of the time in what is left above which time is refined.
@@ -40,6 +45,8 @@ pub struct Level {
     pub contact_nodes: usize,
     /// Internal step, s.
     pub step: f64,
+    /// Tolerance of the reduction; 0 for a body that stayed whole.
+    pub reduction: f64,
     /// Difference from the level before.
     pub difference: Option<Errors>,
 }
@@ -66,6 +73,8 @@ pub struct Reference {
 #[derive(Clone)]
 struct Run {
     sample: Sample,
+    /// Place of its tolerance among [`REDUCTION_TOLERANCES`].
+    tolerance: usize,
     _body: Candidate,
 }
 
@@ -92,9 +101,9 @@ impl Measured {
         (self.error >= MARGIN * self.uncertainty).then_some(self.error)
     }
 
-    /// What the true error does not exceed.
+    /// What the true error does not exceed: the difference, and what is left in the reference.
     pub fn bound(&self) -> f64 {
-        self.error.max(MARGIN * self.uncertainty) + self.uncertainty
+        self.error + self.uncertainty
     }
 }
 
@@ -137,7 +146,7 @@ impl Verdict {
     /// Whether none of these quantities is off by more than `target`.
     pub fn meets(&self, target: f64, quantities: &[Quantity]) -> bool {
         let mut found = quantities.iter().filter_map(|q| self.of(*q));
-        found.all(|measured| measured.error + measured.uncertainty <= target)
+        found.all(|measured| measured.bound() <= target)
     }
 }
 
@@ -148,7 +157,7 @@ impl Reference {
     /// Those of the compilation and the run of a level; [`Error::Scene`] for a scene in which nothing moves.
     pub fn new(study: &mut Study) -> Result<Reference> {
         let family = Family::most_accurate(study.scene());
-        let (first, coarsest) = level(study, &family, 0, 0)?;
+        let (first, coarsest) = level(study, &setting_of(study.scene(), &family, 0, 0), 0)?;
         let mut reference = Reference {
             family,
             space: vec![first.clone()],
@@ -186,12 +195,18 @@ impl Reference {
         }
     }
 
-    /// The finest setting that [`Reference::refine`] would compile and run next.
-    pub fn next_setting(&self, study: &Study) -> Setting {
+    /// The settings that [`Reference::new`] compiles and runs, the most costly one last.
+    pub fn first_settings(scene: &Scene) -> [Setting; 3] {
+        let family = Family::most_accurate(scene);
+        [(0, 0), (0, 1), (1, 1)].map(|(space, time)| setting_of(scene, &family, space, time))
+    }
+
+    /// The finest setting that [`Reference::refine`] would run next. Refined in time it is on a mesh that is compiled.
+    pub fn next_setting(&self, scene: &Scene) -> Setting {
         let (space, time) = (self.space.len() as u32, self.time.len() as u32);
         match self.next() {
-            Refinement::Space => setting_of(study, &self.family, space, time - 1),
-            Refinement::Time => setting_of(study, &self.family, space - 1, time),
+            Refinement::Space => setting_of(scene, &self.family, space, time - 1),
+            Refinement::Time => setting_of(scene, &self.family, space - 1, time),
         }
     }
 
@@ -210,7 +225,8 @@ impl Reference {
 
     fn refine_space(&mut self, study: &mut Study) -> Result<()> {
         let (space, time) = (self.space.len() as u32, self.time.len() as u32 - 1);
-        let (mut next, finest) = level(study, &self.family, space, time)?;
+        let setting = setting_of(study.scene(), &self.family, space, time);
+        let (mut next, finest) = level(study, &setting, self.finest.tolerance)?;
         next.difference = Some(self.finest.sample.errors(&finest.sample)?);
         self.space.push(next);
         self.finest = finest;
@@ -219,10 +235,14 @@ impl Reference {
 
     fn refine_time(&mut self, study: &mut Study) -> Result<()> {
         let (space, time) = (self.space.len() as u32 - 1, self.time.len() as u32);
-        let (mut next, coarsest) = level(study, &self.family, 0, time)?;
+        let setting = setting_of(study.scene(), &self.family, 0, time);
+        let (mut next, coarsest) = level(study, &setting, self.coarsest.tolerance)?;
         let finest = match space {
             0 => coarsest.clone(),
-            _ => level(study, &self.family, space, time)?.1,
+            _ => {
+                let setting = setting_of(study.scene(), &self.family, space, time);
+                level(study, &setting, self.finest.tolerance)?.1
+            }
         };
         next.difference = Some(self.coarsest.sample.errors(&coarsest.sample)?);
         self.time.push(next);
@@ -247,7 +267,8 @@ impl Reference {
 
     /// Relative error left in the finest level; infinite where it is unknown, `None` where there is nothing to compare.
     pub fn uncertainty(&self, quantity: Quantity) -> Option<f64> {
-        Some(left(&self.space, quantity)? + left(&self.time, quantity)?)
+        let reduction = self.space.last().map_or(0.0, |level| level.reduction);
+        Some(left(&self.space, quantity)? + left(&self.time, quantity)? + reduction)
     }
 
     /// Errors of a run of the same study.
@@ -275,18 +296,17 @@ fn left(levels: &[Level], quantity: Quantity) -> Option<f64> {
     let count = differences.len().min(3) - 1;
     let first = differences[differences.len() - 1 - count];
     if count == 0 || first.max(last) <= ROUNDING {
-        return Some(last);
+        return Some(FLOORS[0] * last);
     }
     let ratio = (first / last).powf(1.0 / count as f64);
     Some(match ratio > 1.0 {
-        true => last * (1.0 / (ratio - 1.0)).max(1.0),
+        true => last * (1.0 / (ratio - 1.0)).max(FLOORS[count]),
         false => f64::INFINITY,
     })
 }
 
 /// The setting of a level, but for the tolerance of the reduction.
-fn setting_of(study: &Study, family: &Family, space: u32, time: u32) -> Setting {
-    let scene = study.scene();
+fn setting_of(scene: &Scene, family: &Family, space: u32, time: u32) -> Setting {
     // the contact of a solid is most of its surface: reducing it costs more than all steps of the run
     let model = match scene.mesh.dimension() {
         3 => "condensed",
@@ -301,32 +321,42 @@ fn setting_of(study: &Study, family: &Family, space: u32, time: u32) -> Setting 
         .with("time.tolerance", "null")
         .with("time.error_estimate", "null")
         .with("fidelity.model", model)
+        .with("fidelity.precision", "double")
         .with("fidelity.friction_tolerance", "1e-10")
 }
 
-/// Compiles and runs a level.
-fn level(study: &mut Study, family: &Family, space: u32, time: u32) -> Result<(Level, Run)> {
-    let setting = setting_of(study, family, space, time);
-    for tolerance in REDUCTION_TOLERANCES {
-        match run(study, setting.clone().with("fidelity.tolerance", tolerance)) {
+/// Compiles and runs a level, with the first tolerance of the reduction that will do, from that of the level before on.
+fn level(study: &mut Study, setting: &Setting, first: usize) -> Result<(Level, Run)> {
+    for (i, tolerance) in REDUCTION_TOLERANCES.iter().enumerate().skip(first) {
+        let reduced = setting
+            .clone()
+            .with("fidelity.tolerance", format!("{tolerance:e}"));
+        match run(study, reduced, i) {
             Err(Error::ReductionInaccurate { .. } | Error::Body { .. }) => {}
             outcome => return outcome,
         }
     }
-    run(study, setting.with("fidelity.model", "condensed"))
+    let whole = setting.clone().with("fidelity.model", "condensed");
+    run(study, whole, REDUCTION_TOLERANCES.len())
 }
 
-fn run(study: &mut Study, setting: Setting) -> Result<(Level, Run)> {
+fn run(study: &mut Study, setting: Setting, tolerance: usize) -> Result<(Level, Run)> {
     let candidate = study.compile(&setting)?;
     let sample = candidate.run()?;
+    let summary = candidate.model.summary();
     let level = Level {
-        mesh_nodes: candidate.model.summary().mesh_nodes,
+        mesh_nodes: summary.mesh_nodes,
         contact_nodes: candidate.model.contact().node_count(),
         step: candidate.scene.time.step,
+        reduction: match summary.kind {
+            ModelKind::Reduced => candidate.scene.fidelity.tolerance,
+            _ => 0.0,
+        },
         difference: None,
     };
     let run = Run {
         sample,
+        tolerance,
         _body: candidate,
     };
     Ok((level, run))

@@ -120,25 +120,23 @@ impl Study {
         })
     }
 
-    /// Compiles a setting with the loosest tolerance of the reduction, a power of ten from `10^loosest` down, for which
-    /// there is one.
+    /// Compiles a setting with the loosest tolerance of the reduction that will do, of [`reduction_tolerances`].
     ///
     /// # Errors
     /// Those of [`Study::compile`], of the tightest tolerance where none will do.
     pub fn loosest(&mut self, setting: &Setting, loosest: i32) -> Result<(Setting, Candidate)> {
-        let mut exponent = loosest.clamp(TIGHTEST, -2);
-        loop {
-            let reduced = setting
-                .clone()
-                .with("fidelity.tolerance", format!("1e{exponent}"));
-            match self.compile(&reduced) {
-                Ok(candidate) => return Ok((reduced, candidate)),
-                Err(Error::ReductionInaccurate { .. } | Error::Body { .. })
-                    if exponent > TIGHTEST => {}
-                Err(error) => return Err(error),
+        let mut outcome = Err(Error::Body {
+            what: "no tolerance of the reduction".to_owned(),
+        });
+        for tolerance in reduction_tolerances(loosest) {
+            let reduced = setting.clone().with("fidelity.tolerance", tolerance);
+            outcome = self.compile(&reduced).map(|candidate| (reduced, candidate));
+            match outcome {
+                Err(Error::ReductionInaccurate { .. } | Error::Body { .. }) => {}
+                _ => break,
             }
-            exponent = (exponent - 2).max(TIGHTEST);
         }
+        outcome
     }
 
     /// What tells bodies apart: equal for settings that share one.
@@ -148,6 +146,14 @@ impl Study {
     pub fn body_of(&self, setting: &Setting) -> Result<String> {
         setting.apply(&self.scene).map(|scene| body_key(&scene))
     }
+}
+
+/// Tolerances of the reduction, every other power of ten from `10^loosest` down; a mesh may be reduced to a tighter one and
+/// not to a looser one.
+pub fn reduction_tolerances(loosest: i32) -> impl Iterator<Item = String> {
+    let loosest = loosest.clamp(TIGHTEST, -2);
+    let exponents = (TIGHTEST + 1..=loosest).rev().step_by(2);
+    exponents.chain([TIGHTEST]).map(|e| format!("1e{e}"))
 }
 
 impl Candidate {

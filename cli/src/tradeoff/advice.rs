@@ -1,7 +1,7 @@
 //! Sentences: the cheapest setting measured for an accuracy.
 
 use super::point::Point;
-use stickslip::tradeoff::Quantity;
+use stickslip::tradeoff::{Quantity, Reference};
 
 /// Accuracies that users ask for.
 const TARGETS: [(f64, &str); 4] = [
@@ -11,26 +11,33 @@ const TARGETS: [(f64, &str); 4] = [
     (0.0001, "0.01 %"),
 ];
 /// What they may ask it of.
-const SUBJECTS: [(&str, &[Quantity]); 3] = [
+pub const SUBJECTS: [Subject; 3] = [
     ("slip rate", &[Quantity::SlipRate]),
     ("tangential stress", &[Quantity::TangentialStress]),
     ("slip rate, stress, displacement and force", &Quantity::ALL),
 ];
+/// A name, and the quantities of which the worst counts.
+pub type Subject = (&'static str, &'static [Quantity]);
 
-/// One line for every accuracy that was reached.
-pub fn sentences(points: &[Point]) -> String {
+/// One sentence for every subject and accuracy that was reached, with the arguments between `quotes`, and one for the first
+/// accuracy that was not.
+pub fn sentences(
+    subjects: &[Subject],
+    (points, reference): (&[Point], &Reference),
+    quotes: &str,
+) -> Vec<String> {
     let mut lines = Vec::new();
-    for (name, quantities) in SUBJECTS {
+    for (name, quantities) in subjects {
         let mut missed = None;
         for (target, percent) in TARGETS {
             match cheapest(points, target, quantities) {
                 Some(point) => {
                     let error = match point.figure(quantities) {
                         Some(error) => format!("error {error:.1e}"),
-                        None => "at the limit of the reference".to_owned(),
+                        None => format!("error below {:.1e}", point.bound(quantities)),
                     };
                     lines.push(format!(
-                        "for {percent} in {name} use {} ({error}; {} per second of the scene)",
+                        "for {percent} in {name} use {quotes}{}{quotes} ({error}; {} per second of the scene)",
                         point.arguments(),
                         time(point.cost())
                     ));
@@ -39,10 +46,14 @@ pub fn sentences(points: &[Point]) -> String {
             }
         }
         if let Some(percent) = missed {
-            lines.push(format!("no setting measured reaches {percent} in {name}"));
+            let left = quantities.iter().filter_map(|q| reference.uncertainty(*q));
+            lines.push(format!(
+                "no setting measured is sure to reach {percent} in {name}; the reference itself is known to {:.1e}",
+                left.fold(0.0, f64::max)
+            ));
         }
     }
-    lines.join("\n")
+    lines
 }
 
 fn cheapest<'a>(points: &'a [Point], target: f64, quantities: &[Quantity]) -> Option<&'a Point> {

@@ -42,19 +42,28 @@ impl Budget {
 }
 
 /// Measures settings; the set-up of a body is measured once.
+#[derive(Default)]
 pub struct Clock {
     setups: HashMap<String, Duration>,
-    /// The body of the scene as it is, which many settings share.
-    _given: Candidate,
 }
 
 impl Clock {
-    /// A clock for the settings of a study.
-    pub fn new(study: &mut Study) -> Result<Clock> {
-        Ok(Clock {
-            setups: HashMap::new(),
-            _given: study.compile(&Setting::unchanged())?,
-        })
+    /// Compiles a setting, and times that where its body is new.
+    pub fn compile(&mut self, study: &mut Study, setting: &Setting) -> Result<Candidate> {
+        let body = study.body_of(setting)?;
+        if self.setups.contains_key(&body) {
+            return study.compile(setting);
+        }
+        let start = Instant::now();
+        let candidate = study.compile(setting)?;
+        let first = start.elapsed();
+        let setup = fastest(first, || {
+            let start = Instant::now();
+            Compilation::new(&candidate.scene)?;
+            Ok(start.elapsed())
+        })?;
+        self.setups.insert(body, setup);
+        Ok(candidate)
     }
 
     /// Compiles, runs and times a setting.
@@ -65,27 +74,18 @@ impl Clock {
         group: Group,
         setting: &Setting,
     ) -> Result<Point> {
-        let body = study.body_of(setting)?;
-        let candidate = study.compile(setting)?;
+        let candidate = self.compile(study, setting)?;
         refuse_unstable(&candidate)?;
-        let setup = match self.setups.get(&body) {
-            Some(setup) => *setup,
-            None => fastest(|| {
-                let start = Instant::now();
-                Compilation::new(&candidate.scene)?;
-                Ok(start.elapsed())
-            })?,
-        };
-        self.setups.insert(body, setup);
+        let setup = self.setups.get(&study.body_of(setting)?).copied();
         let sample = candidate.run()?;
-        let stepping = fastest(|| step_through(&candidate))?;
+        let stepping = fastest(step_through(&candidate)?, || step_through(&candidate))?;
         let model = &candidate.model;
         Ok(Point {
             group,
             setting: setting.clone().needed(study.scene()),
             verdict: reference.judge(&sample)?,
             sample,
-            setup,
+            setup: setup.unwrap_or_default(),
             stepping,
             states: model.states(),
             contact_nodes: model.contact().node_count(),
@@ -122,10 +122,9 @@ fn step_through(candidate: &Candidate) -> Result<Duration> {
     Ok(stepping)
 }
 
-/// The least of a few measurements.
-fn fastest(mut measure: impl FnMut() -> Result<Duration>) -> Result<Duration> {
-    let mut least = measure()?;
-    let mut total = least;
+/// The least of a first measurement and a few more.
+fn fastest(first: Duration, mut measure: impl FnMut() -> Result<Duration>) -> Result<Duration> {
+    let (mut least, mut total) = (first, first);
     for _ in 1..REPETITIONS {
         if total + least > LONGEST_REPETITION {
             break;

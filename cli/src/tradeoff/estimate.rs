@@ -7,15 +7,19 @@ use stickslip::scene::{ModelKind, Scheme};
 
 /// Responses per contact component that a reduction puts together.
 const RESPONSES: f64 = 8.0;
-/// Memory that a setting may take, bytes.
-pub const MEMORY: f64 = 2e9;
+/// Memory that a setting may take, bytes: two are held while one of them is the reference.
+pub const MEMORY: f64 = 1.2e9;
 /// Stages of which a simulator keeps the contact operator, and copies of it elsewhere.
 const OPERATORS: f64 = 12.0;
 
 /// Cost of compiling and running a setting.
 #[derive(Debug, Clone, Copy)]
 pub struct Estimate {
-    pub multiplications: f64,
+    /// Multiplications of the compilation.
+    pub setup: f64,
+    /// Multiplications of the runs.
+    pub runs: f64,
+    /// Largest memory.
     pub bytes: f64,
 }
 
@@ -23,7 +27,7 @@ impl Estimate {
     /// The estimate for a scene that is compiled once and run as often as `runs` says.
     pub fn of(scene: &Scene, runs: f64) -> Estimate {
         let (nodes, contact) = sizes(scene);
-        let friction = 0.1 * contact.powi(3);
+        let friction = 0.03 * contact.powi(3);
         let factorization = match scene.mesh.dimension() {
             2 => 100.0 * nodes * nodes.sqrt(),
             _ => 70.0 * nodes * nodes,
@@ -42,9 +46,29 @@ impl Estimate {
         };
         let operators = OPERATORS * contact * contact + 3.0 * responses * responses;
         Estimate {
-            multiplications: setup + runs * steps(scene) * per_step,
+            setup,
+            runs: runs * steps(scene) * per_step,
             bytes: 8.0 * (factorization.powf(2.0 / 3.0) * 20.0 + operators),
         }
+    }
+
+    /// Multiplications in all.
+    pub fn multiplications(&self) -> f64 {
+        self.setup + self.runs
+    }
+
+    /// Both together.
+    pub fn and(&self, other: &Estimate) -> Estimate {
+        Estimate {
+            setup: self.setup + other.setup,
+            runs: self.runs + other.runs,
+            bytes: self.bytes.max(other.bytes),
+        }
+    }
+
+    /// Whether it fits the memory that a setting may take.
+    pub fn has_room(&self) -> bool {
+        self.bytes <= MEMORY
     }
 }
 
@@ -70,7 +94,7 @@ impl Speed {
 
     pub fn learn(&mut self, estimate: &Estimate, seconds: f64) {
         self.spent += seconds;
-        self.multiplications += estimate.multiplications;
+        self.multiplications += estimate.multiplications();
     }
 
     /// Seconds that something will take.
@@ -79,7 +103,7 @@ impl Speed {
             true => self.spent / self.multiplications,
             false => PRIOR,
         };
-        estimate.multiplications * measured.max(PRIOR / TRUST)
+        estimate.multiplications() * measured.max(PRIOR / TRUST)
     }
 }
 

@@ -7,6 +7,7 @@ mod advice;
 mod clock;
 mod estimate;
 mod file;
+mod markdown;
 mod picture;
 mod plan;
 mod point;
@@ -27,6 +28,10 @@ const SHARE_OF_REFERENCE: f64 = 0.5;
 pub fn run(options: &TradeoffOptions) -> Result<(), Failure> {
     let name = options.choice.scene.as_str();
     let scene = source::scene(&options.choice, &[])?;
+    let place = match &options.markdown {
+        Some(path) => Some(markdown::Place::find(path, &scene.name)?),
+        None => None,
+    };
     let budget = Budget::of(options.budget);
     let mut study = Study::new(&scene);
 
@@ -38,10 +43,21 @@ pub fn run(options: &TradeoffOptions) -> Result<(), Failure> {
     if let Some(folder) = &options.plots {
         picture::draw(folder, &scene.name, &found.points, &reference)?;
     }
+    if let Some(place) = place {
+        place.write(&markdown::text(&command(), &found.points, &reference))?;
+    }
     console::say(&table::reference(&scene.name, &reference))?;
     console::say(&format!("\n{}", table::settings(&found.points)))?;
-    console::say(&format!("\n{}", advice::sentences(&found.points)))?;
+    let sentences = advice::sentences(&advice::SUBJECTS, (&found.points, &reference), "");
+    console::say(&format!("\n{}", sentences.join("\n")))?;
     console::say(&format!("\n{}", table::left_out(&found, &budget)))
+}
+
+/// What was called, as one line.
+fn command() -> String {
+    let arguments = std::env::args_os().skip(1);
+    let words = arguments.map(|word| point::quoted(&word.to_string_lossy()));
+    format!("stickslip {}", words.collect::<Vec<_>>().join(" "))
 }
 
 /// The reference first, then the settings, then what is left of the budget for the reference.

@@ -1,6 +1,6 @@
 //! The work-precision picture: error against cost, with the Pareto front and its settings.
 
-use super::point::{Group, Point, front};
+use super::point::{Group, Point, front, milestones};
 use crate::failure::Failure;
 use crate::pictures::{
     Axis, BLACK, BLUE, BROWN, Colour, Curves, GREEN, GREY, Mark, Notes, ORANGE, PURPLE, Panel, RED,
@@ -25,14 +25,17 @@ pub fn draw(
         let limit = reference.uncertainty(quantity).map(|u| MARGIN * u);
         Panel::Curves(curves(points, quantity, limit))
     });
-    let notes = DRAWN.map(|quantity| Panel::Notes(notes(points, quantity)));
-    let longest = DRAWN.map(|q| front(points, &[q]).len()).into_iter().max();
-    let room = Notes::height(longest.unwrap_or(0) + 1);
+    let notes = DRAWN.map(|quantity| notes(points, quantity));
+    let longest = notes.iter().map(|n| n.lines.len()).max();
+    let room = Notes::height(longest.unwrap_or(0));
     Sheet {
         title: format!("{name}: error against cost"),
         width: 1300,
         height: 620 + room as u32,
-        rows: vec![(560.0, panels.into()), (room, notes.into())],
+        rows: vec![
+            (560.0, panels.into()),
+            (room, notes.map(Panel::Notes).into()),
+        ],
     }
     .save(folder, "tradeoff")
 }
@@ -73,7 +76,7 @@ fn curves(points: &[Point], quantity: Quantity, limit: Option<f64>) -> Curves {
             points: vec![(least, limit), (most, limit)],
         });
     }
-    let x = Axis::log("time of the steps of one second", "s");
+    let x = Axis::log("computing time per second of the scene", "s");
     let x = match least < most {
         // room for the names of the cheapest points
         true => x.between(0.4 * least, 1.4 * most),
@@ -81,9 +84,13 @@ fn curves(points: &[Point], quantity: Quantity, limit: Option<f64>) -> Curves {
     };
     // the scene itself last, so that it is on top
     for group in Group::ALL.into_iter().rev() {
-        let of = points.iter().filter(|p| p.group == group);
-        let places: Vec<_> = of.filter_map(place).collect();
-        if !places.is_empty() {
+        let of = || points.iter().filter(|p| p.group == group);
+        let places: Vec<_> = of().filter_map(place).collect();
+        // the panels have the same legends
+        if DRAWN
+            .iter()
+            .any(|q| of().any(|p| p.figure(&[*q]).is_some()))
+        {
             series.push(Series {
                 name: group.name().to_owned(),
                 colour: colour(group),
@@ -92,13 +99,12 @@ fn curves(points: &[Point], quantity: Quantity, limit: Option<f64>) -> Curves {
             });
         }
     }
-    // left of a falling front there is nothing; neighbours stand side by side
-    let lefts = [6.0, 19.0].into_iter().cycle();
-    let names = front.iter().zip(letters()).zip(lefts);
-    let names = names.map(|((point, letter), left)| Series {
+    // left of a falling front there is nothing
+    let named = milestones(points, quantity);
+    let names = named.iter().zip(letters()).map(|(point, letter)| Series {
         name: letter,
         colour: BLACK,
-        mark: Mark::Name(left),
+        mark: Mark::Name(8.0),
         points: place(point).into_iter().collect(),
     });
     series.extend(names);
@@ -111,14 +117,11 @@ fn curves(points: &[Point], quantity: Quantity, limit: Option<f64>) -> Curves {
 }
 
 fn notes(points: &[Point], quantity: Quantity) -> Notes {
-    let on_front = front(points, &[quantity]);
-    let lines = on_front
-        .iter()
-        .zip(letters())
-        .filter_map(|(point, letter)| {
-            let error = point.figure(&[quantity])?;
-            Some(format!("{letter}  {error:.1e}: {}", point.label()))
-        });
+    let named = milestones(points, quantity);
+    let lines = named.iter().zip(letters()).filter_map(|(point, letter)| {
+        let error = point.figure(&[quantity])?;
+        Some(format!("{letter}  {error:.1e}: {}", point.label()))
+    });
     let unknown = points
         .iter()
         .filter(|p| p.verdict.of(quantity).is_some() && p.figure(&[quantity]).is_none());
@@ -128,8 +131,13 @@ fn notes(points: &[Point], quantity: Quantity) -> Notes {
             "{n} settings at the limit of the reference are not drawn"
         )),
     };
+    let tolerances =
+        "joint settings: friction to 1e-4, reduced to 1e-4 or the next tolerance that will do";
     Notes {
-        lines: lines.chain(unknown).collect(),
+        lines: lines
+            .chain(unknown)
+            .chain([tolerances.to_owned()])
+            .collect(),
     }
 }
 

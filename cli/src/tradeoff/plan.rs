@@ -7,6 +7,8 @@ use stickslip::tradeoff::{ELEMENTS, Family, GRADINGS, Setting, Study, cells, gra
 
 /// Cells along every axis, as shares of those of the scene.
 const SIZES: [f64; 6] = [0.125, 0.25, 0.5, 1.0, 2.0, 4.0];
+/// Tolerances of the error in time that choose the internal steps.
+const TIME_TOLERANCES: [&str; 7] = ["1e-1", "3e-2", "1e-2", "3e-3", "1e-3", "3e-4", "1e-4"];
 /// Internal steps, as shares of the communication step.
 const STEPS: [f64; 7] = [4.0, 2.0, 1.0, 0.5, 0.25, 0.125, 0.0625];
 const SCHEMES: [&str; 4] = ["trapezoid", "tr_bdf2", "backward_euler", "rectangle"];
@@ -25,9 +27,9 @@ const SCANNED: f64 = 4.0;
 pub struct Batch {
     pub group: Group,
     pub setting: Setting,
-    /// Shorter and shorter steps, of which only those up to the error of the mesh are worth measuring; none for the step of
-    /// the setting.
-    pub steps: Vec<String>,
+    /// Ladders of steps in time, each more accurate and more costly than the one before, of which only those up to the error
+    /// of the mesh are worth measuring; none for the setting alone.
+    pub ladders: Vec<Vec<Setting>>,
     /// Estimated cost, for the order and the budget.
     pub estimate: Estimate,
 }
@@ -48,9 +50,6 @@ pub fn batches(study: &Study) -> Vec<Batch> {
     for element in ELEMENTS {
         vary(Group::Mesh, "element", element.to_owned());
     }
-    for step in steps(study) {
-        vary(Group::Step, "time.step", step);
-    }
     for scheme in SCHEMES {
         vary(Group::Scheme, "time.scheme", scheme.to_owned());
     }
@@ -61,10 +60,14 @@ pub fn batches(study: &Study) -> Vec<Batch> {
         let path = "fidelity.friction_tolerance";
         vary(Group::Tolerance, path, tolerance.to_owned());
     }
-    vary(Group::Tolerance, "fidelity.precision", "single".to_owned());
+    vary(Group::Step, "time.error_estimate", "true".to_owned());
     for model in MODELS {
-        vary(Group::Model, "fidelity.model", model.to_owned());
+        singles.push((Group::Model, of_kind(Setting::unchanged(), model)));
     }
+    let single = of_kind(Setting::unchanged(), "reduced").with("fidelity.precision", "single");
+    singles.push((Group::Tolerance, single));
+    let steps = equal_steps(study).chain(chosen_steps(study));
+    singles.extend(steps.map(|setting| (Group::Step, setting)));
     let mut known: Vec<Scene> = Vec::new();
     let mut batches = Vec::new();
     for (group, setting) in singles {
@@ -77,8 +80,8 @@ pub fn batches(study: &Study) -> Vec<Batch> {
         }
         batches.push(Batch {
             group,
-            setting,
-            steps: Vec::new(),
+            setting: setting.needed(scene),
+            ladders: Vec::new(),
             estimate: Estimate::of(&applied, 1.0),
         });
         known.push(applied);
@@ -91,14 +94,20 @@ pub fn batches(study: &Study) -> Vec<Batch> {
         );
     }
     batches[1..].sort_by(|a, b| {
-        a.estimate
-            .multiplications
-            .total_cmp(&b.estimate.multiplications)
+        let cost = |batch: &Batch| batch.estimate.multiplications();
+        cost(a).total_cmp(&cost(b))
     });
     batches
 }
 
-/// A mesh with shorter and shorter steps.
+/// A setting with another kind of model, in double precision.
+fn of_kind(setting: Setting, model: &str) -> Setting {
+    setting
+        .with("fidelity.model", model)
+        .with("fidelity.precision", "double")
+}
+
+/// A mesh with shorter and shorter steps, equal ones and chosen ones.
 fn joint(study: &Study, family: &Family, factor: f64) -> Option<Batch> {
     let scene = study.scene();
     let mut mesh = Setting::unchanged()
@@ -107,22 +116,40 @@ fn joint(study: &Study, family: &Family, factor: f64) -> Option<Batch> {
     if let Scheme::Rectangle | Scheme::BackwardEuler = scene.time.scheme {
         mesh = mesh.with("time.scheme", "trapezoid");
     }
-    let setting = mesh.with("fidelity.friction_tolerance", JOINT_FRICTION);
-    let applied = setting.apply(scene).ok()?;
+    let mut setting = mesh.with("fidelity.friction_tolerance", JOINT_FRICTION);
+    let mut estimate = Estimate::of(&setting.apply(scene).ok()?, SCANNED);
+    if !estimate.has_room() {
+        // the reduction takes most of the memory
+        setting = of_kind(setting, "condensed");
+        estimate = Estimate::of(&setting.apply(scene).ok()?, SCANNED);
+    }
     Some(Batch {
         group: Group::Joint,
         setting,
-        steps: steps(study).collect(),
-        estimate: Estimate::of(&applied, SCANNED),
+        ladders: vec![equal_steps(study).collect(), chosen_steps(study).collect()],
+        estimate,
     })
 }
 
-/// Steps worth trying, longest first.
-fn steps(study: &Study) -> impl Iterator<Item = String> {
+/// Equal steps worth trying, longest first.
+fn equal_steps(study: &Study) -> impl Iterator<Item = Setting> {
     let (unit, longest) = (study.communication_step(), study.interval());
-    STEPS
-        .into_iter()
-        .map(move |share| share * unit)
-        .filter(move |step| *step <= longest)
-        .map(|step| format!("{step:?}"))
+    let steps = STEPS.into_iter().map(move |share| share * unit);
+    steps.filter(move |step| *step <= longest).map(|step| {
+        Setting::unchanged()
+            .with("time.step", format!("{step:?}"))
+            .with("time.tolerance", "null")
+            .with("time.error_estimate", "null")
+    })
+}
+
+/// Steps chosen by a tolerance up to the longest one, loosest first.
+fn chosen_steps(study: &Study) -> impl Iterator<Item = Setting> {
+    let longest = study.interval();
+    TIME_TOLERANCES.into_iter().map(move |tolerance| {
+        Setting::unchanged()
+            .with("time.step", format!("{longest:?}"))
+            .with("time.tolerance", tolerance)
+            .with("time.error_estimate", "false")
+    })
 }

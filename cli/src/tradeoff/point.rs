@@ -33,7 +33,7 @@ impl Group {
             Group::AsGiven => "as given",
             Group::Cells => "cells",
             Group::Mesh => "grading, element",
-            Group::Step => "step",
+            Group::Step => "steps",
             Group::Scheme => "scheme",
             Group::Tolerance => "tolerance, precision",
             Group::Model => "model",
@@ -89,37 +89,50 @@ impl Point {
         figures?.into_iter().reduce(f64::max)
     }
 
-    /// The changes in few words.
+    /// What the worst of these errors does not exceed.
+    pub fn bound(&self, quantities: &[Quantity]) -> f64 {
+        let measured = quantities.iter().filter_map(|q| self.verdict.of(*q));
+        measured.map(|m| m.bound()).fold(0.0, f64::max)
+    }
+
+    /// The changes in few words; of joint settings without the tolerances, which are far below their errors.
     pub fn label(&self) -> String {
         let word = |(path, value): &(String, String)| {
             let list = value.trim_matches(['[', ']']);
-            match path.as_str() {
+            Some(match path.as_str() {
                 "mesh.cells" => format!("cells {}", list.replace(',', " x ")),
                 "mesh.grading" => format!("grading {}", list.replace(',', ", ")),
                 "time.step" => format!("step {value}"),
+                "time.tolerance" if value == "null" => "equal steps".to_owned(),
+                "time.tolerance" => format!("steps chosen to {value}"),
+                "time.error_estimate" if value == "true" => "error estimate".to_owned(),
+                "time.error_estimate" => return None,
+                "fidelity.tolerance" | "fidelity.friction_tolerance"
+                    if self.group == Group::Joint =>
+                {
+                    return None;
+                }
                 "fidelity.tolerance" => format!("reduced to {value}"),
                 "fidelity.friction_tolerance" => format!("friction to {value}"),
+                "fidelity.precision" => format!("{value} precision"),
                 // names of elements, schemes and models speak for themselves
                 _ => value.replace('_', " "),
-            }
+            })
         };
         match self.setting.changes() {
             [] => "as given".to_owned(),
-            changes => changes.iter().map(word).collect::<Vec<_>>().join("; "),
+            changes => changes
+                .iter()
+                .filter_map(word)
+                .collect::<Vec<_>>()
+                .join("; "),
         }
     }
 
     /// The changes as a user passes them.
     pub fn arguments(&self) -> String {
-        let quoted = |text: String| {
-            let is_plain = |c: char| c.is_ascii_alphanumeric() || "._=-".contains(c);
-            match text.chars().all(is_plain) {
-                true => text,
-                false => format!("'{text}'"),
-            }
-        };
         let argument = |(path, value): &(String, String)| {
-            format!("--set {}", quoted(format!("{path}={value}")))
+            format!("--set {}", quoted(&format!("{path}={value}")))
         };
         match self.setting.changes() {
             [] => "the scene as it is".to_owned(),
@@ -128,8 +141,35 @@ impl Point {
     }
 }
 
+/// A word of a command line, quoted where a shell would read more into it.
+pub fn quoted(word: &str) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "._=-/".contains(c);
+    match word.chars().all(is_plain) {
+        true => word.to_owned(),
+        false => format!("'{word}'"),
+    }
+}
+
 /// An error that is not smaller by this factor is not worth a higher cost, which clocks tell no better.
 const WORTHWHILE: f64 = 0.95;
+
+/// Error relative to the one before below which a point of the front is worth a name.
+const REMARKABLE: f64 = 0.7;
+
+/// The points of the front that are well apart in error.
+pub fn milestones(points: &[Point], quantity: Quantity) -> Vec<&Point> {
+    let mut last = f64::INFINITY;
+    let mut found = front(points, &[quantity]);
+    found.retain(|p| {
+        let error = p.figure(&[quantity]).unwrap_or(f64::INFINITY);
+        let is_remarkable = error < REMARKABLE * last;
+        if is_remarkable {
+            last = error;
+        }
+        is_remarkable
+    });
+    found
+}
 
 /// Points that no other one beats in both cost and error, cheapest first; those without a figure are not among them.
 pub fn front<'a>(points: &'a [Point], quantities: &[Quantity]) -> Vec<&'a Point> {

@@ -1,24 +1,25 @@
 //! The measurements that fit the budget: the reference first, then the settings, cheapest first.
 
 use super::clock::{Budget, Clock};
-use super::estimate::{Estimate, MEMORY, Speed};
+use super::estimate::{Estimate, Speed};
 use super::plan::{Batch, JOINT_REDUCTION, batches};
 use super::point::{Group, Point};
 use crate::console;
 use std::time::Instant;
-use stickslip::Result;
-use stickslip::tradeoff::{Quantity, Reference, Setting, Study, Verdict};
-
-/// Compilations of a setting: one to run it, one at least to time it.
-const COMPILATIONS: f64 = 2.0;
+use stickslip::tradeoff::{
+    Candidate, Quantity, Reference, Refinement, Setting, Study, Verdict, reduction_tolerances,
+};
+use stickslip::{Error, Result};
 
 /// What was measured and what was not.
 pub struct Survey {
     pub points: Vec<Point>,
     /// Settings that cannot be had, and why.
     pub refused: Vec<(Setting, String)>,
-    /// Batches that did not fit.
+    /// Batches that did not fit the budget.
     pub skipped: Vec<Batch>,
+    /// Batches that may not fit the memory.
+    pub too_large: Vec<Batch>,
 }
 
 /// A reference that is refined while it fits a share of the budget.
@@ -30,10 +31,31 @@ pub struct Refined {
 impl Refined {
     /// Two levels in space and in time.
     pub fn new(study: &mut Study) -> Result<Refined> {
-        Ok(Refined {
-            reference: Reference::new(study)?,
-            speed: Speed::unknown(),
-        })
+        let scene = study.scene();
+        let mut estimate: Option<Estimate> = None;
+        for setting in Reference::first_settings(scene) {
+            let next = Estimate::of(&setting.apply(scene)?, 1.0);
+            estimate = Some(estimate.map_or(next, |sum| sum.and(&next)));
+        }
+        let bytes = estimate.filter(|e| !e.has_room()).map(|e| e.bytes);
+        if let Some(bytes) = bytes {
+            return Err(Error::Scene {
+                source_name: scene.name.clone(),
+                path: "mesh.cells".to_owned(),
+                found: format!("{:?}", scene.mesh.cells()),
+                allowed: format!(
+                    "fewer: a reference on this mesh would take about {}",
+                    gigabytes(bytes)
+                ),
+            });
+        }
+        let mut speed = Speed::unknown();
+        let start = Instant::now();
+        let reference = Reference::new(study)?;
+        if let Some(estimate) = estimate {
+            speed.learn(&estimate, start.elapsed().as_secs_f64());
+        }
+        Ok(Refined { reference, speed })
     }
 
     /// Refines as far as a share of the budget goes; whether it went any further.
@@ -41,10 +63,14 @@ impl Refined {
         let spinner = console::spinner(&format!("{}: reference", study.scene().name));
         let mut has_gone_further = false;
         loop {
-            let next = self.reference.next_setting(study).apply(study.scene())?;
-            let estimate = Estimate::of(&next, 1.0);
+            let scene = study.scene();
+            let next = self.reference.next_setting(scene).apply(scene)?;
+            let mut estimate = Estimate::of(&next, 1.0);
+            if self.reference.next() == Refinement::Time {
+                estimate.setup = 0.0;
+            }
             let is_affordable = budget.fits(self.speed.seconds(&estimate), share);
-            if !is_affordable || estimate.bytes > MEMORY {
+            if !is_affordable || !estimate.has_room() {
                 spinner.finish_and_clear();
                 return Ok(has_gone_further);
             }
@@ -60,25 +86,39 @@ impl Refined {
 pub fn settings(study: &mut Study, reference: &Reference, budget: &Budget) -> Result<Survey> {
     let mut planned = batches(study);
     let bar = console::bar(planned.len() as u64, &study.scene().name);
-    let mut clock = Clock::new(study)?;
+    let mut clock = Clock::default();
     let mut survey = Survey {
         points: Vec::new(),
         refused: Vec::new(),
         skipped: Vec::new(),
+        too_large: Vec::new(),
+    };
+    // the body of the scene as it is, which many settings share
+    let _given = match planned.first() {
+        Some(batch) if batch.estimate.has_room() => {
+            Some(clock.compile(study, &Setting::unchanged())?)
+        }
+        _ => None,
     };
     let mut speed = Speed::unknown();
     while !planned.is_empty() {
         let estimate = planned[0].estimate;
-        let is_affordable = budget.fits(COMPILATIONS * speed.seconds(&estimate), 1.0);
-        if !survey.points.is_empty() && (!is_affordable || estimate.bytes > MEMORY) {
-            survey.skipped = planned;
+        let is_affordable = budget.fits(speed.seconds(&estimate), 1.0);
+        if estimate.has_room() && !is_affordable && !survey.points.is_empty() {
+            let (small, large) = planned.into_iter().partition(|b| b.estimate.has_room());
+            survey.skipped = small;
+            survey.too_large.extend::<Vec<Batch>>(large);
             break;
         }
         let batch = planned.remove(0);
+        bar.inc(1);
+        if !estimate.has_room() {
+            survey.too_large.push(batch);
+            continue;
+        }
         let start = Instant::now();
         survey.measure(study, reference, &mut clock, &batch, budget)?;
-        speed.learn(&estimate, start.elapsed().as_secs_f64() / COMPILATIONS);
-        bar.inc(1);
+        speed.learn(&estimate, start.elapsed().as_secs_f64());
     }
     bar.finish_and_clear();
     survey.points.sort_by_key(|p| p.group as usize);
@@ -102,11 +142,11 @@ impl Survey {
         batch: &Batch,
         budget: &Budget,
     ) -> Result<()> {
-        let outcome = match batch.steps.as_slice() {
-            [] => clock
+        let outcome = match batch.ladders.is_empty() {
+            true => clock
                 .measure(study, reference, batch.group, &batch.setting)
                 .map(|point| self.points.push(point)),
-            steps => self.scan(study, reference, clock, (batch, steps), budget),
+            false => self.climb(study, reference, clock, batch, budget),
         };
         match outcome {
             // without the scene as it is there is nothing to vary
@@ -120,30 +160,64 @@ impl Survey {
         }
     }
 
-    /// Shorter and shorter steps on one mesh, until they improve nothing.
-    fn scan(
+    /// Steps in time on one mesh, as far as they improve anything.
+    fn climb(
         &mut self,
         study: &mut Study,
         reference: &Reference,
         clock: &mut Clock,
-        (batch, steps): (&Batch, &[String]),
+        batch: &Batch,
         budget: &Budget,
     ) -> Result<()> {
-        let (mesh, _body) = study.loosest(&batch.setting, JOINT_REDUCTION)?;
-        let mut before: Option<Verdict> = None;
-        for step in steps {
-            if before.is_some() && !budget.fits(0.0, 1.0) {
-                break;
+        let (mesh, _body) = reduce(study, clock, &batch.setting, budget)?;
+        for ladder in &batch.ladders {
+            let mut before: Option<Verdict> = None;
+            let mut last = 0.0;
+            for steps in ladder {
+                // the next one takes about twice as long
+                if before.is_some() && !budget.fits(2.0 * last, 1.0) {
+                    return Ok(());
+                }
+                let start = Instant::now();
+                let setting = mesh.clone().and(steps);
+                let point = clock.measure(study, reference, batch.group, &setting)?;
+                let verdict = point.verdict;
+                self.points.push(point);
+                if before.is_some_and(|b| !verdict.improves(&b, &Quantity::ALL)) {
+                    break;
+                }
+                before = Some(verdict);
+                last = start.elapsed().as_secs_f64();
             }
-            let setting = mesh.clone().with("time.step", step.as_str());
-            let point = clock.measure(study, reference, batch.group, &setting)?;
-            let verdict = point.verdict;
-            self.points.push(point);
-            if before.is_some_and(|b| !verdict.improves(&b, &Quantity::ALL)) {
-                break;
-            }
-            before = Some(verdict);
         }
         Ok(())
     }
+}
+
+/// Compiles with the loosest tolerance of the reduction that will do, as long as there is time to try.
+fn reduce(
+    study: &mut Study,
+    clock: &mut Clock,
+    setting: &Setting,
+    budget: &Budget,
+) -> Result<(Setting, Candidate)> {
+    let mut tolerances = reduction_tolerances(JOINT_REDUCTION).peekable();
+    loop {
+        let reduced = match tolerances.next() {
+            Some(tolerance) => setting.clone().with("fidelity.tolerance", tolerance),
+            None => setting.clone(),
+        };
+        let start = Instant::now();
+        match clock.compile(study, &reduced) {
+            Err(Error::ReductionInaccurate { .. } | Error::Body { .. })
+                if tolerances.peek().is_some()
+                    && budget.fits(start.elapsed().as_secs_f64(), 1.0) => {}
+            outcome => return outcome.map(|candidate| (reduced, candidate)),
+        }
+    }
+}
+
+/// Bytes in words.
+pub fn gigabytes(bytes: f64) -> String {
+    format!("{:.1} GB of memory", 1e-9 * bytes)
 }

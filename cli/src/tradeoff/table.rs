@@ -1,8 +1,10 @@
 //! What is printed: the reference, the settings measured, and what was not.
 
 use super::clock::Budget;
-use super::point::{Group, Point, front};
-use super::survey::Survey;
+use super::estimate::MEMORY;
+use super::plan::Batch;
+use super::point::{Group, Point, front, milestones};
+use super::survey::{Survey, gigabytes};
 use crate::closing::{RULED, trimmed, two_columns};
 use comfy_table::{CellAlignment, Table};
 use stickslip::tradeoff::{Level, MARGIN, Quantity, Reference, Setting};
@@ -48,7 +50,7 @@ pub fn reference(name: &str, reference: &Reference) -> String {
     two_columns(&format!("{name}: reference, and what is left in it"), rows)
 }
 
-/// The settings; of the joint ones those on the Pareto front of the slip rate.
+/// The settings; of the joint ones those that are well apart on the Pareto front of the slip rate.
 pub fn settings(points: &[Point]) -> String {
     let front = front(points, &[Quantity::SlipRate]);
     let is_on_front = |p: &Point| front.iter().any(|on| std::ptr::eq(*on, p));
@@ -70,7 +72,9 @@ pub fn settings(points: &[Point]) -> String {
         "state kB",
         "iter.",
     ]);
-    let shown = |p: &&Point| p.group != Group::Joint || is_on_front(p);
+    let named = milestones(points, Quantity::SlipRate);
+    let is_named = |p: &Point| named.iter().any(|on| std::ptr::eq(*on, p));
+    let shown = |p: &&Point| p.group != Group::Joint || is_named(p);
     for point in points.iter().filter(shown) {
         let mut row = vec![
             if is_on_front(point) { "*" } else { "" }.to_owned(),
@@ -81,7 +85,7 @@ pub fn settings(points: &[Point]) -> String {
                 None => "-".to_owned(),
                 Some(measured) => match measured.figure() {
                     Some(error) => format!("{error:.1e}"),
-                    None => "limit".to_owned(),
+                    None => format!("<{:.1e}", measured.bound()),
                 },
             }),
         );
@@ -103,13 +107,16 @@ pub fn settings(points: &[Point]) -> String {
     let hidden = points.iter().filter(|p| !shown(p)).count();
     format!(
         "{}\n\
-         Relative errors in L2 over the contact and the communication points that all settings share; \"limit\": less than \
-         {MARGIN} times\nwhat is left in the reference. Step: one internal step; ms per s: steps of one second of the scene; one \
-         thread, fastest of a\nfew. * on the Pareto front of the error in slip rate and the cost per second{}.",
+         Relative errors over the contact and the communication points that all settings share (stress: L1, others: L2). \
+         \"<\": less than {MARGIN} times\nwhat is left in the reference; the bound adds that to the difference. Step: one \
+         internal step; ms per s: steps of one second of the\nscene; one thread, fastest of a few. * on the Pareto front of the \
+         error in slip rate and the cost per second{}.",
         trimmed(&table),
         match hidden {
             0 => String::new(),
-            _ => format!("; {hidden} joint settings behind the front are in the CSV only"),
+            _ => format!(
+                "; joint settings have friction to 1e-4 and are reduced to 1e-4 or the next\ntolerance that will do; {hidden} more of them, behind the front or close to a neighbour on it, are in the CSV only"
+            ),
         }
     )
 }
@@ -122,18 +129,30 @@ pub fn left_out(survey: &Survey, budget: &Budget) -> String {
         budget.spent(),
         budget.seconds()
     )];
+    let labels = |batches: &[Batch], more: fn(&Batch) -> String| {
+        let label = |batch: &Batch| {
+            let steps = match batch.ladders.is_empty() {
+                true => "",
+                false => " with its steps",
+            };
+            format!("{}{steps}{}", words(&batch.setting), more(batch))
+        };
+        batches.iter().map(label).collect::<Vec<_>>().join("; ")
+    };
     if !survey.skipped.is_empty() {
-        let labels: Vec<String> = survey
-            .skipped
-            .iter()
-            .map(|batch| match batch.steps.len() {
-                0 => words(&batch.setting),
-                _ => format!("{} with its steps", words(&batch.setting)),
-            })
-            .collect();
         lines.push(format!(
-            "not measured, because it did not fit the budget (or two gigabytes): {}",
-            labels.join("; ")
+            "not measured, because it did not fit the budget: {}",
+            labels(&survey.skipped, |_| String::new())
+        ));
+    }
+    if !survey.too_large.is_empty() {
+        lines.push(format!(
+            "not compiled, because by estimate it takes more than {}: {}",
+            gigabytes(MEMORY),
+            labels(&survey.too_large, |b| format!(
+                " ({})",
+                gigabytes(b.estimate.bytes)
+            ))
         ));
     }
     for (setting, why) in &survey.refused {
