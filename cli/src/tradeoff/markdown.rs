@@ -81,10 +81,11 @@ pub fn text(command: &str, points: &[Point], reference: &Reference) -> String {
     let items = advice::sentences(&subjects, (points, reference), "`");
     let items: Vec<String> = items.iter().map(|item| format!("* {item}")).collect();
     format!(
-        "`{command}` measured {} settings on one thread. Errors are relative, over the contact and the run (stress: L1, others: \
-         L2), against a reference\nthat is known to: {}. After the scene as given come its other models, and the front of error in \
-         slip rate\nagainst cost, where friction is solved to 1e-4 and the body reduced to 1e-4 or the next tolerance that will \
-         do.\n\n{}\n\n{}\n",
+        "`{command}` measured {} settings on one thread.\n\
+         Errors are relative, over the contact and the run (stress: L1, others: L2), against a reference that is known to:\n\
+         {}.\n\
+         After the scene as given come its other models, and the front of error in slip rate against cost, where friction is\n\
+         solved to 1e-4 and the body reduced to 1e-4 or the next tolerance that will do.\n\n{}\n\n{}\n",
         points.len(),
         left.join(", "),
         rows.join("\n"),

@@ -40,6 +40,10 @@ pub fn draw(
     .save(folder, "tradeoff")
 }
 
+fn has_figures(points: &[Point], quantity: Quantity) -> bool {
+    points.iter().any(|p| p.figure(&[quantity]).is_some())
+}
+
 fn colour(group: Group) -> Colour {
     match group {
         Group::AsGiven => BLACK,
@@ -54,7 +58,12 @@ fn colour(group: Group) -> Colour {
 }
 
 fn curves(points: &[Point], quantity: Quantity, limit: Option<f64>) -> Curves {
-    let place = |p: &Point| Some((p.cost(), p.figure(&[quantity])?));
+    // bounds where the reference is too poor for any figure
+    let has_figures = has_figures(points, quantity);
+    let place = |p: &Point| match has_figures {
+        true => Some((p.cost(), p.figure(&[quantity])?)),
+        false => p.verdict.of(quantity).map(|m| (p.cost(), m.bound())),
+    };
     let front = front(points, &[quantity]);
     let mut series = vec![Series {
         name: "Pareto front".to_owned(),
@@ -68,7 +77,7 @@ fn curves(points: &[Point], quantity: Quantity, limit: Option<f64>) -> Curves {
         .fold((f64::INFINITY, 0.0_f64), |(l, m), p| {
             (l.min(p.0), m.max(p.0))
         });
-    if let Some(limit) = limit.filter(|l| l.is_finite() && least < most) {
+    if let Some(limit) = limit.filter(|l| has_figures && l.is_finite() && least < most) {
         series.push(Series {
             name: "limit of the reference".to_owned(),
             colour: RED,
@@ -87,10 +96,7 @@ fn curves(points: &[Point], quantity: Quantity, limit: Option<f64>) -> Curves {
         let of = || points.iter().filter(|p| p.group == group);
         let places: Vec<_> = of().filter_map(place).collect();
         // the panels have the same legends
-        if DRAWN
-            .iter()
-            .any(|q| of().any(|p| p.figure(&[*q]).is_some()))
-        {
+        if of().count() > 0 {
             series.push(Series {
                 name: group.name().to_owned(),
                 colour: colour(group),
@@ -109,7 +115,10 @@ fn curves(points: &[Point], quantity: Quantity, limit: Option<f64>) -> Curves {
     });
     series.extend(names);
     Curves {
-        heading: format!("Error in {}", quantity.name()),
+        heading: match has_figures {
+            true => format!("Error in {}", quantity.name()),
+            false => format!("Bound of the error in {}", quantity.name()),
+        },
         x,
         y: Axis::log("relative error", ""),
         series,
@@ -127,6 +136,9 @@ fn notes(points: &[Point], quantity: Quantity) -> Notes {
         .filter(|p| p.verdict.of(quantity).is_some() && p.figure(&[quantity]).is_none());
     let unknown = match unknown.count() {
         0 => None,
+        _ if !has_figures(points, quantity) => {
+            Some("no setting is so far off that the reference is ten times as accurate".to_owned())
+        }
         n => Some(format!(
             "{n} settings at the limit of the reference are not drawn"
         )),

@@ -64,7 +64,10 @@ pub fn batches(study: &Study) -> Vec<Batch> {
     for model in MODELS {
         singles.push((Group::Model, of_kind(Setting::unchanged(), model)));
     }
-    let single = of_kind(Setting::unchanged(), "reduced").with("fidelity.precision", "single");
+    // single precision does not hold tighter reductions
+    let single = of_kind(Setting::unchanged(), "reduced")
+        .with("fidelity.precision", "single")
+        .with("fidelity.tolerance", "1e-6");
     singles.push((Group::Tolerance, single));
     let steps = equal_steps(study).chain(chosen_steps(study));
     singles.extend(steps.map(|setting| (Group::Step, setting)));
