@@ -65,12 +65,15 @@ fn curves(points: &[Point], quantity: Quantity, limit: Option<f64>) -> Curves {
         false => p.verdict.of(quantity).map(|m| (p.cost(), m.bound())),
     };
     let front = front(points, &[quantity]);
-    let mut series = vec![Series {
-        name: "Pareto front".to_owned(),
-        colour: GREY,
-        mark: Mark::Dashed,
-        points: front.iter().filter_map(|p| place(p)).collect(),
-    }];
+    let mut series = Vec::new();
+    if has_figures {
+        series.push(Series {
+            name: "Pareto front".to_owned(),
+            colour: GREY,
+            mark: Mark::Dashed,
+            points: front.iter().filter_map(|p| place(p)).collect(),
+        });
+    }
     let (least, most) = points
         .iter()
         .filter_map(place)
