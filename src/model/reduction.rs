@@ -33,7 +33,8 @@ const SMOOTH_DIRECTIONS: usize = 16;
 /// Shares of the tolerance that dropping nearly dependent responses may use, tried in this order: friction that weakens
 /// magnifies errors of the body, and the larger shares are for tolerances at the limit of rounding.
 const TRUNCATION_SHARES: [f64; 4] = [0.1, 0.02, 0.3, 1.0];
-/// An outlying rate that changes the transfer matrix by more than this share is no error of the samples, but one upstream.
+/// An outlying rate that changes the transfer matrix by more than this share, however many responses are kept, is no error of
+/// the samples, but one upstream.
 const OUTLIER: f64 = 1e-2;
 
 /// A reduced model with the record of how it was made.
@@ -92,6 +93,7 @@ pub fn reduce(body: &Body, cholesky: &SparseCholesky, fidelity: &Fidelity) -> Re
 
     let mut planned = Shifts::for_tolerance(interval, tolerance);
     let mut best = (f64::INFINITY, 0);
+    let mut outlying: Option<(f64, f64)> = None;
     // the plan is for an even spectrum; a body that needs more than one shift beyond it is at the limit of rounding
     for _ in 0..2 {
         let Some(shifts) = planned else { break };
@@ -108,7 +110,10 @@ pub fn reduce(body: &Body, cholesky: &SparseCholesky, fidelity: &Fidelity) -> Re
         ranks.dedup();
         for rank in ranks {
             let mut modes = projection.modes(rank, interval)?;
-            check_rates(&modes, body.element_rates, reference_rate)?;
+            if modes.outlier.0 > OUTLIER {
+                outlying = outlying.or(Some(modes.outlier));
+                continue;
+            }
             let kept = keep(&mut modes, &sampled.scaling, precision);
             let achieved = sampled.error(&modes)?.max(f64::EPSILON);
             if achieved <= tolerance {
@@ -127,11 +132,20 @@ pub fn reduce(body: &Body, cholesky: &SparseCholesky, fidelity: &Fidelity) -> Re
         }
         planned = sampled.shifts.refined(interval, tolerance);
     }
-    Err(Error::ReductionInaccurate {
-        achieved: best.0,
-        tolerance,
-        states: best.1,
-    })
+    match outlying {
+        // whatever is kept, a rate outside that matters
+        Some((_, rate)) if best.0 == f64::INFINITY => Err(Error::Body {
+            what: format!(
+                "the reduction gives a relaxation rate of {} 1/s, outside the [{slowest}, {fastest}] of the material",
+                rate * reference_rate,
+            ),
+        }),
+        _ => Err(Error::ReductionInaccurate {
+            achieved: best.0,
+            tolerance,
+            states: best.1,
+        }),
+    }
 }
 
 /// Contact velocities and outputs of the modes in the units of the scene, as they are kept; the modes become those that were
@@ -184,20 +198,6 @@ fn finish(
             angles: (0..shifts.count()).map(|i| shifts.angle(i)).collect(),
         },
     }
-}
-
-/// Checks the rates against the bounds of the material.
-fn check_rates(modes: &Modes, [low, high]: [f64; 2], reference_rate: f64) -> Result<()> {
-    let (effect, rate) = modes.outlier;
-    if effect <= OUTLIER {
-        return Ok(());
-    }
-    Err(Error::Body {
-        what: format!(
-            "the reduction gives a relaxation rate of {} 1/s, outside the [{low}, {high}] of the material",
-            rate * reference_rate,
-        ),
-    })
 }
 
 /// The scaled transfer matrix at all angles.
