@@ -1,6 +1,8 @@
 //! Scenes and runs shared by the tests.
 #![allow(dead_code)] // every test binary uses its own part
 
+pub mod accuracy;
+
 use serde_json::{Value, json};
 use std::sync::Arc;
 use stickslip::{Compilation, Model, Scene, Simulator, compile};
