@@ -128,21 +128,31 @@ impl OperatorPair {
 
     /// `y = K x` for the symmetric matrix K whose lower triangle has the entries `values` on this pattern.
     pub fn apply(&self, values: &[f64], x: &[f64], y: &mut [f64]) {
+        self.apply_rows(values, x.as_chunks::<1>().0, y.as_chunks_mut::<1>().0);
+    }
+
+    /// `y = K x` for N columns at once, given row by row.
+    pub fn apply_rows<const N: usize>(&self, values: &[f64], x: &[[f64; N]], y: &mut [[f64; N]]) {
         debug_assert_eq!(values.len(), self.row_idx.len());
         debug_assert_eq!((x.len(), y.len()), (self.n, self.n));
-        y.fill(0.0);
+        y.fill([0.0; N]);
+        let add = |to: &mut [f64; N], value: f64, from: &[f64; N]| {
+            for (to, from) in to.iter_mut().zip(from) {
+                *to += value * from;
+            }
+        };
         for (j, (rows, values)) in self.columns(values).enumerate() {
-            let xj = x[j];
-            let mut sum = 0.0;
+            let xj = &x[j];
+            let mut sum = [0.0; N];
             for (&i, &value) in rows.iter().zip(values) {
                 if i == j {
-                    sum += value * xj;
+                    add(&mut sum, value, xj);
                 } else {
-                    y[i] += value * xj;
-                    sum += value * x[i];
+                    add(&mut y[i], value, xj);
+                    add(&mut sum, value, &x[i]);
                 }
             }
-            y[j] += sum;
+            add(&mut y[j], 1.0, &sum);
         }
     }
 

@@ -92,9 +92,9 @@ impl<'a> Linearisation<'a> {
 pub struct Inverse {
     is_made: bool,
     theta_k: f64,
-    /// D, node by node; [`CLAMPED`] where the node is not free.
+    /// D, node by node; its first entry is infinite where the node is not free.
     pub blocks: Vec<f64>,
-    /// First row of every node, [`NOWHERE`] where it is not free.
+    /// First row of every node, `NOWHERE` where it is not free.
     places: Vec<usize>,
     /// Contact component of every row.
     pub components: Vec<usize>,

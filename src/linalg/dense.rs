@@ -1,7 +1,9 @@
 //! Symmetric matrices as wholes. Eigenvalues are faer's: they are for compiling, not for a step (see `kernel`).
 
 use crate::error::{Error, Result};
-use faer::{Mat, MatMut, MatRef};
+use dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt_pivoting::factor::{cholesky_in_place, cholesky_in_place_scratch};
+use faer::{Mat, MatMut, MatRef, Par};
 
 /// Copies the lower triangle onto the upper one.
 pub fn mirror_lower(mut a: MatMut<f64>) {
@@ -11,6 +13,38 @@ pub fn mirror_lower(mut a: MatMut<f64>) {
         }
     }
 }
+/// Cholesky factor of a symmetric positive semidefinite matrix (its lower triangle is read) with diagonal pivoting, as far as
+/// its pivots are above `smallest`: the rows in the order they were chosen, and the factor of that part of the matrix.
+///
+/// # Errors
+/// [`Error::Body`] when an entry is not a number, or a diagonal one negative.
+pub fn pivoted_cholesky(
+    what: &str,
+    mut a: Mat<f64>,
+    smallest: f64,
+) -> Result<(Vec<usize>, Mat<f64>)> {
+    let size = a.nrows();
+    let (mut order, mut inverse) = (vec![0_usize; size], vec![0_usize; size]);
+    let scratch = cholesky_in_place_scratch::<usize, f64>(size, Par::Seq, Default::default());
+    let mut memory = MemBuffer::new(scratch);
+    let (info, _) = cholesky_in_place(
+        a.as_mut(),
+        &mut order,
+        &mut inverse,
+        Par::Seq,
+        MemStack::new(&mut memory),
+        Default::default(),
+    )
+    .map_err(|_| Error::Body {
+        what: format!("{what} is not positive semidefinite"),
+    })?;
+    let pivots = (0..info.rank).take_while(|j| a[(*j, *j)].powi(2) > smallest);
+    order.truncate(pivots.count());
+    let rank = order.len();
+    let lower = |i: usize, j: usize| if i >= j { a[(i, j)] } else { 0.0 };
+    Ok((order, Mat::from_fn(rank, rank, lower)))
+}
+
 /// Eigenvalues in ascending order and orthonormal eigenvectors of a symmetric matrix (its lower triangle is read).
 ///
 /// # Errors

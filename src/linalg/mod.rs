@@ -14,7 +14,7 @@ mod stored;
 mod tiles;
 
 pub use cholesky::DenseCholesky;
-pub use dense::{mirror_lower, symmetric_eigen, symmetric_eigenvalues};
+pub use dense::{mirror_lower, pivoted_cholesky, symmetric_eigen, symmetric_eigenvalues};
 pub use elementary::exp_m1;
 pub use kernel::{column, dot, multiply, multiply_transposed};
 pub use sparse::SparseCholesky;

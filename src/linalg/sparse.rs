@@ -157,44 +157,52 @@ impl SparseCholesky {
     /// `y` are then the condensed load.
     pub fn eliminate(&self, factor: &[f64], x: &[f64], y: &mut [f64]) {
         self.reorder(x, y);
-        self.eliminate_reordered(factor, &mut [y]);
+        self.eliminate_rows(factor, y.as_chunks_mut::<1>().0);
+    }
+
+    /// Substitutes back from the trailing values given in `y` (order of the factor); the solution goes to `x` (by dofs).
+    pub fn substitute_back(&self, factor: &[f64], y: &mut [f64], x: &mut [f64]) {
+        self.substitute_back_rows(factor, y.as_chunks_mut::<1>().0);
+        self.restore(y, x);
     }
 
     /// Brings `x` (by dofs) into the order of the factor.
-    pub fn reorder(&self, x: &[f64], y: &mut [f64]) {
+    pub fn reorder<T: Copy>(&self, x: &[T], y: &mut [T]) {
         for (y, &dof) in y.iter_mut().zip(&self.order) {
             *y = x[dof];
         }
     }
 
-    /// Eliminates the interior from several loads in the order of the factor, in one pass over the factor.
-    pub fn eliminate_reordered(&self, factor: &[f64], loads: &mut [&mut [f64]]) {
+    /// Brings `y` (in the order of the factor) back into that of the dofs.
+    pub fn restore<T: Copy>(&self, y: &[T], x: &mut [T]) {
+        for (y, &dof) in y.iter().zip(&self.order) {
+            x[dof] = *y;
+        }
+    }
+
+    /// Eliminates the interior from N loads at once, given row by row in the order of the factor.
+    pub fn eliminate_rows<const N: usize>(&self, factor: &[f64], y: &mut [[f64; N]]) {
         let interior = self.interior();
         self.for_columns(factor, false, |column, diagonal, same, pattern, below| {
-            if column >= interior {
+            // the load of a part of the boundary leaves most of the factor untouched
+            if column >= interior || y[column] == [0.0; N] {
                 return;
             }
+            let pivot = y[column].map(|value| value / diagonal);
+            y[column] = pivot;
             let (block, rest) = below.split_at(same);
-            for y in loads.iter_mut() {
-                let pivot = y[column] / diagonal;
-                // the load of a part of the boundary leaves most of the factor untouched
-                if pivot == 0.0 {
-                    continue;
-                }
-                y[column] = pivot;
-                let contiguous = &mut y[column + 1..column + 1 + same];
-                for (y, l) in contiguous.iter_mut().zip(block) {
-                    *y -= l * pivot;
-                }
-                for (&row, l) in pattern.iter().zip(rest) {
-                    y[row] -= l * pivot;
-                }
+            let contiguous = &mut y[column + 1..column + 1 + same];
+            for (y, l) in contiguous.iter_mut().zip(block) {
+                subtract(y, *l, &pivot);
+            }
+            for (&row, l) in pattern.iter().zip(rest) {
+                subtract(&mut y[row], *l, &pivot);
             }
         });
     }
 
-    /// Substitutes back from the trailing values given in `y` (order of the factor); the solution goes to `x` (by dofs).
-    pub fn substitute_back(&self, factor: &[f64], y: &mut [f64], x: &mut [f64]) {
+    /// Substitutes back from the trailing rows of `y`, N columns at once, in the order of the factor.
+    pub fn substitute_back_rows<const N: usize>(&self, factor: &[f64], y: &mut [[f64; N]]) {
         let interior = self.interior();
         self.for_columns(factor, true, |column, diagonal, same, pattern, below| {
             if column >= interior {
@@ -203,16 +211,13 @@ impl SparseCholesky {
             let (block, rest) = below.split_at(same);
             let mut sum = y[column];
             for (y, l) in y[column + 1..column + 1 + same].iter().zip(block) {
-                sum -= l * y;
+                subtract(&mut sum, *l, y);
             }
             for (&row, l) in pattern.iter().zip(rest) {
-                sum -= l * y[row];
+                subtract(&mut sum, *l, &y[row]);
             }
-            y[column] = sum / diagonal;
+            y[column] = sum.map(|value| value / diagonal);
         });
-        for (y, &dof) in y.iter().zip(&self.order) {
-            x[dof] = *y;
-        }
     }
 
     /// Lower Cholesky factor of the condensed operator of the trailing dofs.
@@ -282,6 +287,14 @@ impl SparseCholesky {
                 );
             }
         }
+    }
+}
+
+/// `to -= factor * from`.
+#[inline(always)]
+fn subtract<const N: usize>(to: &mut [f64; N], factor: f64, from: &[f64; N]) {
+    for (to, from) in to.iter_mut().zip(from) {
+        *to -= factor * from;
     }
 }
 

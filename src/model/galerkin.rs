@@ -8,28 +8,40 @@
 //! i == j   X_i^T A X_i = c_i H_i + d_i H'_i,          X_i^T B X_i = d_i H_i - c_i H'_i
 //! ```
 //!
-//! Ports are comparable in energy (see `scaling`), so that contact forces of every wavelength count alike. The eigenvectors
-//! of the Gram matrix `X^T A X` then order combinations of the responses by what they add; the first r of them are kept and the
-//! pair is diagonalised: `A = I`, `B = diag(rates)`.
+//! Ports are comparable in energy (see `scaling`), so that contact forces of every wavelength count alike. A Cholesky
+//! factorization of the Gram matrix `X^T A X` with pivoting then orders the responses by what each adds to those before it: the
+//! first r of them are kept, made orthonormal in A by the factor, and the pair is diagonalised: `A = I`, `B = diag(rates)`.
+//! Close to rounding, where responses of their own are hardly more than noise, the singular vectors of the factor order
+//! combinations of them instead (those of the Gram matrix, at a multiple of the cost).
 
 use super::shifts::{Shifts, shift};
 use crate::error::Result;
-use crate::linalg::{column, dot, multiply, multiply_transposed, symmetric_eigen};
-use faer::linalg::matmul::triangular::{BlockStructure, matmul};
-use faer::{Accum, Mat, Par};
+use crate::linalg::{
+    column, dot, mirror_lower, multiply, multiply_transposed, pivoted_cholesky, symmetric_eigen,
+};
+use faer::linalg::triangular_solve::{
+    solve_lower_triangular_in_place, solve_upper_triangular_in_place,
+};
+use faer::{Mat, Par};
 
 /// Combinations whose share of the energy is below this are dependent to rounding.
 const DEPENDENT: f64 = 1e-13;
 /// Nor are combinations kept whose share is not this many times the error of the derivatives in the Gram matrix.
-const SIGNAL: f64 = 10.0;
+const SIGNAL: f64 = 3.0;
 /// Iterations of the power method for the norm of a truncation error; it only has to find its magnitude.
 const POWER_ITERATIONS: usize = 12;
 
 /// The projected pair on the independent responses.
 pub struct Projection {
-    /// Combinations of the responses that are orthonormal in A, strongest first: (shifts x ports) x rank.
-    responses: Mat<f64>,
-    /// Projected B on all responses.
+    /// Responses that are independent to rounding, strongest first.
+    order: Vec<usize>,
+    /// How many responses there are in all: shifts x ports.
+    size: usize,
+    /// Factor L of their Gram matrix.
+    lower: Mat<f64>,
+    /// Combinations of the orthonormal responses, when it is not themselves that are ordered: rank x rank.
+    combinations: Option<Mat<f64>>,
+    /// B on the orthonormal responses, or on their combinations, its lower triangle: rank x rank.
     elasticity: Mat<f64>,
     /// What the orthonormal responses show at the ports: rank x ports.
     seen: Mat<f64>,
@@ -67,32 +79,49 @@ impl Projection {
         let (a, b) = loewner(shifts, samples, derivatives);
         let (size, m) = (a.nrows(), samples[0].nrows());
 
-        let (gram, vectors) = symmetric_eigen("the Gram matrix of the reduction", a.as_ref())?;
-        // the strongest combination of contact forces has about as many units of energy as there are shifts
-        let weakest = DEPENDENT.max(SIGNAL * shifts.derivative_error) * shifts.count() as f64;
-        let rank = gram.iter().filter(|g| **g > weakest).count();
-        // strongest first
-        let responses = Mat::from_fn(size, rank, |i, j| {
-            let at = size - 1 - j;
-            vectors[(i, at)] / gram[at].sqrt()
+        let weakest = DEPENDENT.max(SIGNAL * shifts.derivative_error);
+        let (order, lower) = pivoted_cholesky("the Gram matrix of the reduction", a, weakest)?;
+        let rank = order.len();
+        let mut elasticity = Mat::from_fn(rank, rank, |i, j| b[(order[i], order[j])]);
+        solve_lower_triangular_in_place(lower.as_ref(), elasticity.as_mut(), Par::Seq);
+        let transposed = elasticity.as_mut().transpose_mut();
+        solve_lower_triangular_in_place(lower.as_ref(), transposed, Par::Seq);
+        let mut seen = Mat::from_fn(rank, m, |i, j| {
+            let (shift, port) = (order[i] / m, order[i] % m);
+            samples[shifts.shifts[shift]][(port, j)]
         });
-        let mut stacked = Mat::<f64>::zeros(size, m);
-        for i in 0..shifts.count() {
-            let mut rows = stacked.as_mut().subrows_mut(i * m, m);
-            rows.copy_from(&samples[shifts.shifts[i]]);
-        }
+        solve_lower_triangular_in_place(lower.as_ref(), seen.as_mut(), Par::Seq);
         Ok(Projection {
-            seen: responses.transpose() * &stacked,
-            responses,
-            elasticity: b,
+            order,
+            size,
+            lower,
+            combinations: None,
+            elasticity,
+            seen,
             instantaneous: samples[shifts.tests[0]].clone(),
             emphasis: emphasis.to_vec(),
         })
     }
 
+    /// Orders combinations of the responses by their energy from now on, instead of the responses themselves.
+    ///
+    /// # Errors
+    /// [`crate::Error::Body`] when the eigenvalues cannot be computed.
+    pub fn order_by_energy(&mut self) -> Result<()> {
+        let gram = self.lower.transpose() * &self.lower;
+        let (_, ascending) = symmetric_eigen("the Gram matrix of the reduction", gram.as_ref())?;
+        let combinations = ascending.as_ref().reverse_cols().to_owned();
+        mirror_lower(self.elasticity.as_mut());
+        let half = &self.elasticity * &combinations;
+        self.elasticity = combinations.transpose() * half;
+        self.seen = combinations.transpose() * &self.seen;
+        self.combinations = Some(combinations);
+        Ok(())
+    }
+
     /// Responses that are independent to rounding.
     pub fn rank(&self) -> usize {
-        self.responses.ncols()
+        self.order.len()
     }
 
     fn contact_len(&self) -> usize {
@@ -169,21 +198,8 @@ impl Projection {
     /// # Errors
     /// [`Error::Body`] when the eigenvalues cannot be computed.
     pub fn modes(&self, rank: usize, [low, high]: [f64; 2]) -> Result<Modes> {
-        let basis = self.responses.get(.., ..rank);
-        let half = &self.elasticity * basis;
-        let mut pair = Mat::<f64>::zeros(rank, rank);
-        matmul(
-            pair.as_mut(),
-            BlockStructure::TriangularLower,
-            Accum::Replace,
-            basis.transpose(),
-            BlockStructure::Rectangular,
-            half.as_ref(),
-            BlockStructure::Rectangular,
-            1.0,
-            Par::Seq,
-        );
-        let (mut rates, rotation) = symmetric_eigen("the reduced elasticity", pair.as_ref())?;
+        let pair = self.elasticity.get(..rank, ..rank);
+        let (mut rates, rotation) = symmetric_eigen("the reduced elasticity", pair)?;
         let ports = rotation.transpose() * self.seen.get(..rank, ..);
         let mut outlier = (0.0, 0.0);
         for (j, rate) in rates.iter_mut().enumerate() {
@@ -197,11 +213,21 @@ impl Projection {
                 *rate = inside;
             }
         }
+        let mut modes = match &self.combinations {
+            Some(combinations) => combinations.get(.., ..rank) * rotation,
+            None => rotation,
+        };
+        let lower = self.lower.get(..modes.nrows(), ..modes.nrows());
+        solve_upper_triangular_in_place(lower.transpose(), modes.as_mut(), Par::Seq);
+        let mut forces = Mat::zeros(self.size, rank);
+        for (i, at) in self.order[..modes.nrows()].iter().enumerate() {
+            forces.row_mut(*at).copy_from(modes.row(i));
+        }
         Ok(Modes {
             rates,
             outlier,
             ports,
-            forces: basis * rotation,
+            forces,
         })
     }
 }

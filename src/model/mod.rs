@@ -10,6 +10,7 @@ mod galerkin;
 mod parts;
 mod reduced;
 mod reduction;
+mod samples;
 mod scaling;
 mod shifts;
 mod synthesis;

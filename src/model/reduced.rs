@@ -4,13 +4,13 @@
 //! and the contact compliance is `P diag(1 / (1 + theta_k rate)) P^T`, whatever the step size.
 
 use super::body_model::{BodyModel, Scratch, Stage};
-use super::reduction::add_response;
 use crate::bytes::{Reader, Writer};
 use crate::error::{Error, Result};
 use crate::linalg::{DenseCholesky, StoredMatrix, modal, multiply, multiply_transposed};
 use crate::scene::Precision;
 use dyn_stack::{MemBuffer, StackReq};
-use faer::Mat;
+use faer::linalg::matmul::triangular::{BlockStructure, matmul};
+use faer::{Accum, Mat, MatMut, MatRef, Par};
 
 pub struct Reduced {
     /// Relaxation rates, 1/s, ascending.
@@ -145,4 +145,31 @@ impl Reduced {
             rates,
         })
     }
+}
+
+/// Adds `weight ports^T diag(1 / (c + d rate)) ports` to the lower triangle of `to`.
+pub fn add_response(
+    to: MatMut<f64>,
+    weight: f64,
+    ports: MatRef<f64>,
+    rates: &[f64],
+    (c, d): (f64, f64),
+) {
+    let mut weighted = ports.to_owned();
+    for j in 0..ports.ncols() {
+        for (value, rate) in weighted.col_mut(j).iter_mut().zip(rates) {
+            *value /= c + d * rate;
+        }
+    }
+    matmul(
+        to,
+        BlockStructure::TriangularLower,
+        Accum::Add,
+        ports.transpose(),
+        BlockStructure::Rectangular,
+        weighted.as_ref(),
+        BlockStructure::Rectangular,
+        weight,
+        Par::Seq,
+    );
 }

@@ -2,34 +2,28 @@
 //!
 //! Galerkin projection on `span{ (c_i A + d_i B)^-1 P }` over a few shifts (see `galerkin`), which are known beforehand from
 //! the interval of rates (see `shifts`), from samples of the transfer matrix (see `transfer`): no basis of the length of the
-//! body is ever formed. The result is then judged at the samples that are not shifts, the two ends among them. On the contact
-//! `|L^-1 (C_r - C) L^-T|` with the compliance `C = L L^T` bounds the relative error of the compliance and of its
-//! inverse for any combination of forces or slips. A load or probe of own response h and contact response c is right to
-//! `|L^-1 (c_r - c)| / sqrt(h)`, for loads times [`LOAD_EMPHASIS`]. Projection keeps the rates between the extreme eigenvalues of
-//! `A^-1 B`, which the element rates bound: a rate outside that matters is an error upstream.
+//! body is ever formed. The result is then judged at the samples that are not shifts (see `samples`). Projection keeps the
+//! rates between the extreme eigenvalues of `A^-1 B`, which the element rates bound: a rate outside that matters is an error
+//! upstream.
 
 use super::galerkin::{Modes, Projection};
 use super::reduced::Reduced;
+use super::samples::Sampled;
 use super::scaling::Scaling;
-use super::shifts::{Shifts, shift};
+use super::shifts::Shifts;
 use super::transfer::{PortMatrix, Sampler};
 use crate::error::{Error, Result};
 use crate::fem::Body;
-use crate::linalg::{SparseCholesky, StoredMatrix, mirror_lower, symmetric_eigenvalues};
+use crate::linalg::{SparseCholesky, StoredMatrix};
 use crate::scene::{Fidelity, Precision};
-use faer::linalg::matmul::triangular::{BlockStructure, matmul};
-use faer::linalg::triangular_solve::solve_upper_triangular_in_place;
-use faer::{Accum, Mat, MatMut, MatRef, Par};
+use faer::Mat;
 
 /// What loads do to the contact is asked for to a smaller error than the tolerance: friction is a small difference of what
 /// they push and what the body holds back, and its stress at a node is sharper than the energy of the contact tells.
 /// Not below the rounding of the samples, though.
 const LOAD_EMPHASIS: f64 = 1000.0;
 /// Weight of the loads among the ports when their responses are ranked: they are few, and are kept nearly whole.
-const LOAD_WEIGHT: f64 = 10.0;
-/// Smooth contact forces whose derivatives are not taken from differences of samples, which would magnify their rounding errors:
-/// those are largest where the whole body moves.
-const SMOOTH_DIRECTIONS: usize = 16;
+const LOAD_WEIGHT: f64 = 5.0;
 /// Shares of the tolerance that dropping nearly dependent responses may use, tried in this order: friction that weakens
 /// magnifies errors of the body, and the larger shares are for tolerances at the limit of rounding.
 const TRUNCATION_SHARES: [f64; 4] = [0.1, 0.02, 0.3, 1.0];
@@ -91,60 +85,103 @@ pub fn reduce(body: &Body, cholesky: &SparseCholesky, fidelity: &Fidelity) -> Re
     let emphasis = (tolerance / rounding).clamp(1.0, LOAD_EMPHASIS);
     let (weights, emphasis) = (of_loads(LOAD_WEIGHT), of_loads(emphasis));
 
+    let mut search = Search {
+        tolerance,
+        precision,
+        interval,
+        closest: (f64::INFINITY, 0),
+        outlying: None,
+    };
     let mut planned = Shifts::for_tolerance(interval, tolerance);
-    let mut best = (f64::INFINITY, 0);
-    let mut outlying: Option<(f64, f64)> = None;
     // the plan is for an even spectrum; a body that needs more than one shift beyond it is at the limit of rounding
     for _ in 0..2 {
         let Some(shifts) = planned else { break };
         let sampled = Sampled::new(&mut sampler, shifts, &weights, &emphasis)?;
-        let projection = Projection::new(
+        let mut projection = Projection::new(
             &sampled.shifts,
             &sampled.transfer,
             &sampled.derivatives,
             &emphasis,
         )?;
-        let mut ranks = TRUNCATION_SHARES
-            .map(|share| projection.rank_for(share * tolerance))
-            .to_vec();
-        ranks.dedup();
-        for rank in ranks {
-            let mut modes = projection.modes(rank, interval)?;
-            if modes.outlier.0 > OUTLIER {
-                outlying = outlying.or(Some(modes.outlier));
-                continue;
-            }
-            let kept = keep(&mut modes, &sampled.scaling, precision);
-            let achieved = sampled.error(&modes)?.max(f64::EPSILON);
-            if achieved <= tolerance {
-                return Ok(finish(
-                    modes,
-                    kept,
-                    &sampled,
-                    achieved,
-                    loads,
-                    reference_rate,
-                ));
-            }
-            if achieved < best.0 {
-                best = (achieved, rank);
-            }
+        let mut found = search.truncate(&projection, &sampled)?;
+        if found.is_none() {
+            projection.order_by_energy()?;
+            found = search.truncate(&projection, &sampled)?;
+        }
+        if let Some(truncated) = found {
+            return Ok(finish(truncated, &sampled, loads, reference_rate));
         }
         planned = sampled.shifts.refined(interval, tolerance);
     }
-    match outlying {
-        // whatever is kept, a rate outside that matters
-        Some((_, rate)) if best.0 == f64::INFINITY => Err(Error::Body {
-            what: format!(
-                "the reduction gives a relaxation rate of {} 1/s, outside the [{slowest}, {fastest}] of the material",
-                rate * reference_rate,
-            ),
-        }),
-        _ => Err(Error::ReductionInaccurate {
-            achieved: best.0,
-            tolerance,
-            states: best.1,
-        }),
+    Err(search.failure(body.element_rates, reference_rate))
+}
+
+/// The search for the smallest truncation that meets the tolerance.
+struct Search {
+    tolerance: f64,
+    precision: Precision,
+    /// Relaxation rates of the material, relative to the reference rate.
+    interval: [f64; 2],
+    /// The smallest error so far, and its number of states.
+    closest: (f64, usize),
+    /// Effect and rate of the first outlying rate that mattered.
+    outlying: Option<(f64, f64)>,
+}
+
+/// The modes of a truncation, with what is kept of their ports: contact velocities and outputs.
+struct Truncated {
+    modes: Modes,
+    ports: (StoredMatrix, Mat<f64>),
+    achieved: f64,
+}
+
+impl Search {
+    fn truncate(
+        &mut self,
+        projection: &Projection,
+        sampled: &Sampled,
+    ) -> Result<Option<Truncated>> {
+        let mut ranks = TRUNCATION_SHARES
+            .map(|share| projection.rank_for(share * self.tolerance))
+            .to_vec();
+        ranks.dedup();
+        for rank in ranks {
+            let mut modes = projection.modes(rank, self.interval)?;
+            if modes.outlier.0 > OUTLIER {
+                self.outlying = self.outlying.or(Some(modes.outlier));
+                continue;
+            }
+            let ports = keep(&mut modes, &sampled.scaling, self.precision);
+            let achieved = sampled.error(&modes)?.max(f64::EPSILON);
+            if achieved <= self.tolerance {
+                return Ok(Some(Truncated {
+                    modes,
+                    ports,
+                    achieved,
+                }));
+            }
+            if achieved < self.closest.0 {
+                self.closest = (achieved, rank);
+            }
+        }
+        Ok(None)
+    }
+
+    fn failure(&self, [slowest, fastest]: [f64; 2], reference_rate: f64) -> Error {
+        match self.outlying {
+            // whatever is kept, a rate outside that matters
+            Some((_, rate)) if self.closest.0 == f64::INFINITY => Error::Body {
+                what: format!(
+                    "the reduction gives a relaxation rate of {} 1/s, outside the [{slowest}, {fastest}] of the material",
+                    rate * reference_rate,
+                ),
+            },
+            _ => Error::ReductionInaccurate {
+                achieved: self.closest.0,
+                tolerance: self.tolerance,
+                states: self.closest.1,
+            },
+        }
     }
 }
 
@@ -166,15 +203,13 @@ fn keep(modes: &mut Modes, scaling: &Scaling, precision: Precision) -> (StoredMa
     (contact, outputs.to_owned())
 }
 
-/// The modes, with what is kept of their ports.
-fn finish(
-    modes: Modes,
-    (contact, outputs): (StoredMatrix, Mat<f64>),
-    sampled: &Sampled,
-    achieved: f64,
-    loads: usize,
-    reference_rate: f64,
-) -> Reduction {
+/// The truncated modes in the units of the scene.
+fn finish(truncated: Truncated, sampled: &Sampled, loads: usize, reference_rate: f64) -> Reduction {
+    let Truncated {
+        modes,
+        ports: (contact, outputs),
+        achieved,
+    } = truncated;
     let (scaling, shifts) = (&sampled.scaling, &sampled.shifts);
     let m = modes.ports.ncols();
     let mut forces = modes.forces;
@@ -198,118 +233,4 @@ fn finish(
             angles: (0..shifts.count()).map(|i| shifts.angle(i)).collect(),
         },
     }
-}
-
-/// The scaled transfer matrix at all angles.
-struct Sampled<'a> {
-    shifts: Shifts,
-    scaling: Scaling,
-    transfer: Vec<Mat<f64>>,
-    /// Its derivative by the angle at the shifts.
-    derivatives: Vec<Mat<f64>>,
-    /// Factors `Z^T Z` of the contact blocks.
-    factors: Vec<Mat<f64>>,
-    emphasis: &'a [f64],
-}
-
-impl<'a> Sampled<'a> {
-    fn new(
-        sampler: &mut Sampler,
-        shifts: Shifts,
-        weights: &[f64],
-        emphasis: &'a [f64],
-    ) -> Result<Sampled<'a>> {
-        let middle = shifts.tests[shifts.tests.len() / 2];
-        let scaling = Scaling::new(&sampler.sample(shifts.angles[middle])?, weights);
-        let directions = scaling.smooth_directions(SMOOTH_DIRECTIONS);
-        let forces = scaling.contact_forces(&directions);
-        let (mut transfer, mut factors, mut exact) = (Vec::new(), Vec::new(), Vec::new());
-        for (at, angle) in shifts.angles.iter().enumerate() {
-            let sample = sampler.sample(*angle)?;
-            if shifts.shifts.contains(&at) {
-                exact.push(sampler.derivative(&sample, &forces));
-            }
-            let scaled = scaling.apply(&sample);
-            transfer.push(scaled.h);
-            factors.push(scaled.z);
-        }
-        let mut derivatives = Vec::new();
-        for (i, (&at, exact)) in shifts.shifts.iter().zip(&exact).enumerate() {
-            let mut derivative = shifts.derivative(i, &transfer);
-            scaling.correct_derivative(&mut derivative, exact, &factors[at], &directions);
-            derivatives.push(derivative);
-        }
-        Ok(Sampled {
-            shifts,
-            scaling,
-            transfer,
-            derivatives,
-            factors,
-            emphasis,
-        })
-    }
-
-    /// Largest error of the modes at the samples that are not shifts: see the module.
-    fn error(&self, modes: &Modes) -> Result<f64> {
-        let mut worst: f64 = 0.0;
-        for &at in &self.shifts.tests {
-            worst = worst.max(self.error_at(modes, at)?);
-        }
-        Ok(worst)
-    }
-
-    fn error_at(&self, modes: &Modes, at: usize) -> Result<f64> {
-        let (exact, z) = (&self.transfer[at], &self.factors[at]);
-        let (m, contact) = (exact.nrows(), z.nrows());
-        let mut off = exact.clone();
-        let (to, ports) = (off.as_mut(), modes.ports.as_ref());
-        add_response(to, -1.0, ports, &modes.rates, shift(self.shifts.angles[at]));
-        mirror_lower(off.as_mut());
-
-        let on_contact = off.as_mut().subrows_mut(0, contact);
-        solve_upper_triangular_in_place(z.transpose(), on_contact, Par::Seq);
-        let mut worst: f64 = 0.0;
-        for (j, emphasis) in (contact..m).zip(self.emphasis) {
-            let own = exact[(j, j)];
-            // a port that does nothing has no error
-            if own > 0.0 {
-                let on_contact = off.get(..contact, j).norm_l2() / own.sqrt();
-                worst = worst.max(emphasis * on_contact);
-                for i in (contact..m).filter(|&i| exact[(i, i)] > 0.0) {
-                    worst = worst.max(off[(i, j)].abs() / (own * exact[(i, i)]).sqrt());
-                }
-            }
-        }
-        let mut energy = off.get(..contact, ..contact).transpose().to_owned();
-        solve_upper_triangular_in_place(z.transpose(), energy.as_mut(), Par::Seq);
-        let energy = symmetric_eigenvalues("the error of the reduction", energy.as_ref())?;
-        Ok(energy.iter().fold(worst, |worst, v| v.abs().max(worst)))
-    }
-}
-
-/// Adds `weight ports^T diag(1 / (c + d rate)) ports` to the lower triangle of `to`.
-pub fn add_response(
-    to: MatMut<f64>,
-    weight: f64,
-    ports: MatRef<f64>,
-    rates: &[f64],
-    (c, d): (f64, f64),
-) {
-    let mut weighted = ports.to_owned();
-    for j in 0..ports.ncols() {
-        for (value, rate) in weighted.col_mut(j).iter_mut().zip(rates) {
-            *value /= c + d * rate;
-        }
-    }
-    matmul(
-        to,
-        BlockStructure::TriangularLower,
-        Accum::Add,
-        ports.transpose(),
-        BlockStructure::Rectangular,
-        weighted.as_ref(),
-        BlockStructure::Rectangular,
-        weight,
-        Par::Seq,
-    );
 }

@@ -28,6 +28,9 @@ use faer::linalg::triangular_solve::{
 };
 use faer::{Mat, Par};
 
+/// Columns that go through the factor together: a pass over it costs more than the arithmetic on one column.
+const WIDTH: usize = 8;
+
 /// The ports of a body: contact dofs, then loads, then probes.
 pub struct PortMatrix {
     /// Free dofs n.
@@ -181,27 +184,31 @@ impl<'a> Sampler<'a> {
         let upper = sample.lower.transpose();
         solve_upper_triangular_in_place(upper, on_contact.as_mut(), Par::Seq);
 
-        let mut solutions = Vec::with_capacity(others);
-        let mut images = Vec::with_capacity(on_contact.ncols());
-        let (mut y, mut x, mut v) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
-        for j in 0..on_contact.ncols() {
-            match self.eliminated.get(j) {
-                Some(eliminated) => y.copy_from_slice(eliminated),
-                None => y.fill(0.0),
+        let mut images: Vec<Vec<f64>> = vec![vec![0.0; n]; on_contact.ncols()];
+        let mut solutions: Vec<Vec<f64>> = vec![vec![0.0; n]; others];
+        let (mut rows, mut by_dofs) = (vec![[0.0; WIDTH]; n], vec![[0.0; WIDTH]; n]);
+        for from in (0..images.len()).step_by(WIDTH) {
+            rows.fill([0.0; WIDTH]);
+            for (lane, j) in (from..images.len().min(from + WIDTH)).enumerate() {
+                if let Some(eliminated) = self.eliminated.get(j) {
+                    set_column(&mut rows[..interior], lane, eliminated);
+                }
+                let trailing = column(on_contact.as_ref(), j);
+                set_column(&mut rows[interior..], lane, trailing);
             }
-            y[interior..].copy_from_slice(column(on_contact.as_ref(), j));
-            self.cholesky.substitute_back(&self.factor, &mut y, &mut x);
-            self.operators.apply(&turned, &x, &mut v);
-            if j < others {
-                solutions.push(x.clone());
+            self.cholesky.substitute_back_rows(&self.factor, &mut rows);
+            for (lane, solution) in solutions.iter_mut().skip(from).take(WIDTH).enumerate() {
+                get_column(&rows, lane, solution);
             }
-            images.push(v.clone());
+            self.cholesky.restore(&rows, &mut by_dofs);
+            self.operators.apply_rows(&turned, &by_dofs, &mut rows);
+            by_dofs.copy_from_slice(&rows);
+            self.cholesky.reorder(&by_dofs, &mut rows);
+            for (lane, image) in images.iter_mut().skip(from).take(WIDTH).enumerate() {
+                get_column(&rows, lane, image);
+            }
         }
         let inside = Mat::from_fn(others, images.len(), |i, j| dot(&solutions[i], &images[j]));
-        for image in &mut images {
-            self.cholesky.reorder(image, &mut y);
-            image.copy_from_slice(&y);
-        }
         Derivative {
             condensed: eliminate(self.cholesky, &self.factor, &sample.lower, &mut images),
             inside,
@@ -217,11 +224,31 @@ fn eliminate(
     loads: &mut [Vec<f64>],
 ) -> Mat<f64> {
     let contact = lower.nrows();
-    let mut slices: Vec<&mut [f64]> = loads.iter_mut().map(Vec::as_mut_slice).collect();
-    cholesky.eliminate_reordered(factor, &mut slices);
+    for loads in loads.chunks_mut(WIDTH) {
+        let mut rows = vec![[0.0; WIDTH]; loads[0].len()];
+        for (lane, load) in loads.iter().enumerate() {
+            set_column(&mut rows, lane, load);
+        }
+        cholesky.eliminate_rows(factor, &mut rows);
+        for (lane, load) in loads.iter_mut().enumerate() {
+            get_column(&rows, lane, load);
+        }
+    }
     let mut condensed = Mat::from_fn(contact, loads.len(), |i, j| {
         loads[j][loads[j].len() - contact + i]
     });
     solve_lower_triangular_in_place(lower.as_ref(), condensed.as_mut(), Par::Seq);
     condensed
+}
+
+fn set_column(rows: &mut [[f64; WIDTH]], lane: usize, column: &[f64]) {
+    for (row, value) in rows.iter_mut().zip(column) {
+        row[lane] = *value;
+    }
+}
+
+fn get_column(rows: &[[f64; WIDTH]], lane: usize, column: &mut [f64]) {
+    for (value, row) in column.iter_mut().zip(rows) {
+        *value = row[lane];
+    }
 }

@@ -1,0 +1,110 @@
+//! Samples of the transfer matrix: what a reduction is made from, and what it is judged by.
+//!
+//! A reduction is judged at the samples that are not shifts, the two ends among them. On the contact `|L^-1 (C_r - C) L^-T|` with
+//! the compliance `C = L L^T` bounds the relative error of the compliance and of its inverse for any combination of forces or
+//! slips. A load or probe of own response h and contact response c is right to `|L^-1 (c_r - c)| / sqrt(h)`, times its emphasis.
+
+use super::galerkin::Modes;
+use super::reduced::add_response;
+use super::scaling::Scaling;
+use super::shifts::{Shifts, shift};
+use super::transfer::Sampler;
+use crate::error::Result;
+use crate::linalg::{mirror_lower, symmetric_eigenvalues};
+use faer::linalg::triangular_solve::solve_upper_triangular_in_place;
+use faer::{Mat, Par};
+
+/// Smooth contact forces whose derivatives are not taken from differences of samples, which would magnify their rounding errors:
+/// those are largest where the whole body moves.
+const SMOOTH_DIRECTIONS: usize = 13;
+/// The scaled transfer matrix at all angles.
+pub struct Sampled<'a> {
+    pub shifts: Shifts,
+    pub scaling: Scaling,
+    pub transfer: Vec<Mat<f64>>,
+    /// Its derivative by the angle at the shifts.
+    pub derivatives: Vec<Mat<f64>>,
+    /// Factors `Z^T Z` of the contact blocks.
+    factors: Vec<Mat<f64>>,
+    emphasis: &'a [f64],
+}
+
+impl<'a> Sampled<'a> {
+    pub fn new(
+        sampler: &mut Sampler,
+        shifts: Shifts,
+        weights: &[f64],
+        emphasis: &'a [f64],
+    ) -> Result<Sampled<'a>> {
+        let middle = shifts.tests[shifts.tests.len() / 2];
+        let reference = sampler.sample(shifts.angles[middle])?;
+        let scaling = Scaling::new(&reference, weights);
+        let mut reference = Some(reference);
+        let directions = scaling.smooth_directions(SMOOTH_DIRECTIONS);
+        let forces = scaling.contact_forces(&directions);
+        let (mut transfer, mut factors, mut exact) = (Vec::new(), Vec::new(), Vec::new());
+        for (at, angle) in shifts.angles.iter().enumerate() {
+            let sample = match reference.take_if(|_| at == middle) {
+                Some(reference) => reference,
+                None => sampler.sample(*angle)?,
+            };
+            if shifts.shifts.contains(&at) {
+                exact.push(sampler.derivative(&sample, &forces));
+            }
+            let scaled = scaling.apply(&sample);
+            transfer.push(scaled.h);
+            factors.push(scaled.z);
+        }
+        let mut derivatives = Vec::new();
+        for (i, (&at, exact)) in shifts.shifts.iter().zip(&exact).enumerate() {
+            let mut derivative = shifts.derivative(i, &transfer);
+            scaling.correct_derivative(&mut derivative, exact, &factors[at], &directions);
+            derivatives.push(derivative);
+        }
+        Ok(Sampled {
+            shifts,
+            scaling,
+            transfer,
+            derivatives,
+            factors,
+            emphasis,
+        })
+    }
+
+    /// Largest error of the modes at the samples that are not shifts: see the module.
+    pub fn error(&self, modes: &Modes) -> Result<f64> {
+        let mut worst: f64 = 0.0;
+        for &at in &self.shifts.tests {
+            worst = worst.max(self.error_at(modes, at)?);
+        }
+        Ok(worst)
+    }
+
+    fn error_at(&self, modes: &Modes, at: usize) -> Result<f64> {
+        let (exact, z) = (&self.transfer[at], &self.factors[at]);
+        let (m, contact) = (exact.nrows(), z.nrows());
+        let mut off = exact.clone();
+        let (to, ports) = (off.as_mut(), modes.ports.as_ref());
+        add_response(to, -1.0, ports, &modes.rates, shift(self.shifts.angles[at]));
+        mirror_lower(off.as_mut());
+
+        let on_contact = off.as_mut().subrows_mut(0, contact);
+        solve_upper_triangular_in_place(z.transpose(), on_contact, Par::Seq);
+        let mut worst: f64 = 0.0;
+        for (j, emphasis) in (contact..m).zip(self.emphasis) {
+            let own = exact[(j, j)];
+            // a port that does nothing has no error
+            if own > 0.0 {
+                let on_contact = off.get(..contact, j).norm_l2() / own.sqrt();
+                worst = worst.max(emphasis * on_contact);
+                for i in (contact..m).filter(|&i| exact[(i, i)] > 0.0) {
+                    worst = worst.max(off[(i, j)].abs() / (own * exact[(i, i)]).sqrt());
+                }
+            }
+        }
+        let mut energy = off.get(..contact, ..contact).transpose().to_owned();
+        solve_upper_triangular_in_place(z.transpose(), energy.as_mut(), Par::Seq);
+        let energy = symmetric_eigenvalues("the error of the reduction", energy.as_ref())?;
+        Ok(energy.iter().fold(worst, |worst, v| v.abs().max(worst)))
+    }
+}
