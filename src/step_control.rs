@@ -27,6 +27,9 @@
 //! apart, there is nothing for a smoother controller to do; `step_sizes` does not let a pair reach over the end of the half of
 //! the panel it lies in, which keeps sizes from going up and down around a kink.
 //!
+//! The pair of Hosea and Shampine for TR-BDF2 would give an error for every single step; Simpson's rule is of the same order,
+//! and the same for all schemes.
+//!
 //! A pair whose friction does not converge counts as one with too large an error.
 
 use crate::error::{Error, Result};

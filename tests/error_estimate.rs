@@ -23,14 +23,14 @@ fn assert_effective(label: &str, run: &Trajectory, fine: &Trajectory) {
 /// The accumulated error of equal steps, at all communication points, step sizes 1/4 to 1/32 of them.
 #[test]
 fn estimate_is_the_error_of_equal_steps() {
-    let courses: [(&str, Course); 4] = [
-        ("paper", paper_course()),
-        ("swinging", swinging_course()),
-        ("pad", pad_course()),
-        ("seal", seal_course()),
+    let courses: [(&str, Course, u32); 4] = [
+        ("paper", paper_course(), 1024),
+        ("swinging", swinging_course(), 1024),
+        ("pad", pad_course(), 512),
+        ("seal", seal_course(), 1024),
     ];
-    for (label, course) in courses {
-        let fine = course.run_equal(1024, &[]);
+    for (label, course, parts) in courses {
+        let fine = course.run_equal(parts, &[]);
         for parts in [4, 8, 16, 32] {
             let run = course.run_equal(parts, &[ESTIMATE]);
             assert_effective(&format!("{label}, {parts} steps"), &run, &fine);
@@ -66,14 +66,19 @@ fn estimate_knows_the_order() {
 /// With chosen step sizes the second solution has twice the step.
 #[test]
 fn estimate_is_the_error_of_chosen_steps() {
-    let courses: [(&str, Course); 3] = [
-        ("paper", paper_course()),
-        ("pad", pad_course()),
-        ("column", common::column_course()),
+    let courses: [(&str, Course, u32, [&str; 3]); 3] = [
+        ("paper", paper_course(), 2048, ["1e-3", "1e-4", "1e-5"]),
+        ("pad", pad_course(), 1024, ["1e-2", "1e-3", "1e-4"]),
+        (
+            "column",
+            common::column_course(),
+            2048,
+            ["1e-3", "1e-4", "1e-5"],
+        ),
     ];
-    for (label, course) in courses {
-        let fine = course.run_equal(2048, &[]);
-        for tolerance in ["1e-3", "1e-4", "1e-5"] {
+    for (label, course, parts, tolerances) in courses {
+        let fine = course.run_equal(parts, &[]);
+        for tolerance in tolerances {
             let run = course.run(&[("time.tolerance", tolerance)]);
             assert_effective(&format!("{label}, tolerance {tolerance}"), &run, &fine);
         }

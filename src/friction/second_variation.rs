@@ -17,7 +17,7 @@ use super::small::{Term, entry, symmetric_terms};
 
 /// A difference in curvature below this share of what the node resists with is left to the iteration.
 pub const NOTICEABLE: f64 = 0.03;
-/// Terms allowed: half of the contact components, within limits. Half of them are for nodes that stick and are freed all
+/// Terms allowed: an eighth of the contact components, within limits. Half of them are for nodes that stick and are freed all
 /// the same, because they may slip soon.
 const TERMS: std::ops::RangeInclusive<usize> = 4..=96;
 /// Halvings in the search for the share of the bound above which nodes that stick are freed.
@@ -28,7 +28,7 @@ const LARGEST_ACROSS: f64 = 1e8;
 
 /// Terms allowed for this many contact components.
 pub fn most_terms(len: usize) -> usize {
-    (len / 2).clamp(*TERMS.start(), *TERMS.end())
+    (len / 8).clamp(*TERMS.start(), *TERMS.end())
 }
 
 /// Terms that are listed at most before they are found to be too many: one node beyond those allowed.
