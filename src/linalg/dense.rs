@@ -1,4 +1,4 @@
-//! Symmetric matrices as wholes. Eigenvalues are faer's: they are for compiling, not for a step (see `kernel`).
+//! Symmetric matrices as wholes. Eigenvalues are faer's: they are for compiling, not for a step (see `products`).
 
 use crate::error::{Error, Result};
 use dyn_stack::{MemBuffer, MemStack};

@@ -1,57 +1,18 @@
 //! Weighted Gram matrices of tall columns, as dot products of four columns with two at a time.
 
-use super::kernel::{column, tile};
-use super::single;
+use super::double::tile;
+use super::products::{Entry, column};
 use faer::MatRef;
 use pulp::{Arch, Simd, WithSimd};
-use std::ops::Range;
 
 /// Rows summed at a time, and columns that meanwhile stay in the first-level cache.
 const PANEL: (usize, usize) = (256, 8);
 /// Columns of the other factor.
 const BLOCK: usize = 4;
 
-/// A tall matrix whose columns are looked at panel by panel, in double precision.
-#[derive(Clone, Copy)]
-pub enum Panels<'a> {
-    Double(MatRef<'a, f64>),
-    Single(MatRef<'a, f32>),
-}
-
-impl<'a> Panels<'a> {
-    fn shape(&self) -> (usize, usize) {
-        match self {
-            Panels::Double(a) => (a.nrows(), a.ncols()),
-            Panels::Single(a) => (a.nrows(), a.ncols()),
-        }
-    }
-
-    /// Rows of a column: a view of them, or converted into `buffer`.
-    #[inline(always)]
-    fn panel<'b>(
-        &self,
-        (j, rows): (usize, Range<usize>),
-        buffer: &'b mut [f64; PANEL.0],
-    ) -> &'b [f64]
-    where
-        'a: 'b,
-    {
-        match *self {
-            Panels::Double(a) => &column(a, j)[rows],
-            Panels::Single(a) => {
-                let values = &single::column(a, j)[rows];
-                for (to, value) in buffer.iter_mut().zip(values) {
-                    *to = f64::from(*value);
-                }
-                &buffer[..values.len()]
-            }
-        }
-    }
-}
-
 /// Lower triangle of `ports^T diag(weights) ports`, into the columns of `out`.
-pub fn weighted_gram(ports: Panels, weights: &[f64], out: &mut [f64]) {
-    let (r, m) = ports.shape();
+pub fn weighted_gram<T: Entry>(ports: MatRef<T>, weights: &[f64], out: &mut [f64]) {
+    let (r, m) = (ports.nrows(), ports.ncols());
     assert_eq!((r, m * m), (weights.len(), out.len()));
     Arch::new().dispatch(WeightedGram {
         ports,
@@ -60,13 +21,13 @@ pub fn weighted_gram(ports: Panels, weights: &[f64], out: &mut [f64]) {
     });
 }
 
-struct WeightedGram<'a> {
-    ports: Panels<'a>,
+struct WeightedGram<'a, T> {
+    ports: MatRef<'a, T>,
     weights: &'a [f64],
     out: &'a mut [f64],
 }
 
-impl WithSimd for WeightedGram<'_> {
+impl<T: Entry> WithSimd for WeightedGram<'_, T> {
     type Output = ();
 
     #[inline(always)]
@@ -76,17 +37,17 @@ impl WithSimd for WeightedGram<'_> {
             weights,
             out,
         } = self;
-        let (r, m) = ports.shape();
+        let (r, m) = (ports.nrows(), ports.ncols());
         let mut scaled = [[0.0; PANEL.0]; PANEL.1];
         let mut buffers = [[0.0; PANEL.0]; BLOCK];
         out.fill(0.0);
         for from in (0..r).step_by(PANEL.0) {
             let rows = from..r.min(from + PANEL.0);
             // beyond the last column stands the last one again, and is left out
-            let at = |j: usize| (j.min(m - 1), rows.clone());
+            let part = |j: usize| &column(ports, j.min(m - 1))[rows.clone()];
             for j in (0..m).step_by(PANEL.1) {
                 for (q, scaled) in scaled.iter_mut().enumerate() {
-                    let values = ports.panel(at(j + q), &mut buffers[0]);
+                    let values = T::widen(part(j + q), &mut buffers[0]);
                     let values = values.iter().zip(&weights[rows.clone()]);
                     for (scaled, (value, weight)) in scaled.iter_mut().zip(values) {
                         *scaled = value * weight;
@@ -96,10 +57,10 @@ impl WithSimd for WeightedGram<'_> {
                 for i in (0..last).step_by(BLOCK) {
                     let [a, b, c, d] = &mut buffers;
                     let x = [
-                        ports.panel(at(i), a),
-                        ports.panel(at(i + 1), b),
-                        ports.panel(at(i + 2), c),
-                        ports.panel(at(i + 3), d),
+                        T::widen(part(i), a),
+                        T::widen(part(i + 1), b),
+                        T::widen(part(i + 2), c),
+                        T::widen(part(i + 3), d),
                     ];
                     for q in (0..last - j).step_by(2) {
                         let y = [&scaled[q][..rows.len()], &scaled[q + 1][..rows.len()]];
@@ -118,7 +79,7 @@ impl WithSimd for WeightedGram<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Panels, weighted_gram};
+    use super::weighted_gram;
     use faer::Mat;
 
     #[test]
@@ -128,7 +89,7 @@ mod tests {
             let ports = Mat::from_fn(r, m, noise);
             let weights: Vec<f64> = (0..r).map(|i| 1.0 / (1.0 + i as f64)).collect();
             let mut gram = vec![0.0; m * m];
-            weighted_gram(Panels::Double(ports.as_ref()), &weights, &mut gram);
+            weighted_gram(ports.as_ref(), &weights, &mut gram);
             let scaled = Mat::from_fn(r, m, |i, j| weights[i] * ports[(i, j)]);
             let exact = ports.transpose() * scaled;
             for j in 0..m {

@@ -2,12 +2,13 @@
 
 mod cholesky;
 mod dense;
+mod double;
 mod elementary;
 mod gram;
-mod kernel;
 pub mod lanes;
 pub mod modal;
 mod ordering;
+mod products;
 mod single;
 mod sparse;
 mod stored;
@@ -15,7 +16,8 @@ mod tiles;
 
 pub use cholesky::DenseCholesky;
 pub use dense::{mirror_lower, pivoted_cholesky, symmetric_eigen, symmetric_eigenvalues};
+pub use double::dot;
 pub use elementary::exp_m1;
-pub use kernel::{column, dot, multiply, multiply_transposed};
+pub use products::{column, multiply, multiply_transposed};
 pub use sparse::SparseCholesky;
 pub use stored::StoredMatrix;

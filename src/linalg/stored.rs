@@ -1,9 +1,8 @@
 //! Tall matrices that a step passes over, stored in double or in single precision. All arithmetic is double: a matrix in
 //! single precision is the same as one in double precision whose entries were rounded once, and moves half the memory.
 
-use super::gram::{Panels, weighted_gram};
-use super::kernel::{multiply, multiply_transposed};
-use super::single;
+use super::gram::weighted_gram;
+use super::products::{multiply, multiply_transposed};
 use crate::bytes::{Reader, Writer};
 use crate::error::Result;
 use faer::{Mat, MatRef};
@@ -47,7 +46,7 @@ impl StoredMatrix {
     pub fn multiply(&self, x: &[f64], y: &mut [f64]) {
         match self {
             StoredMatrix::Double(a) => multiply(a.as_ref(), x, y),
-            StoredMatrix::Single(a) => single::multiply(a.as_ref(), x, y),
+            StoredMatrix::Single(a) => multiply(a.as_ref(), x, y),
         }
     }
 
@@ -55,15 +54,15 @@ impl StoredMatrix {
     pub fn multiply_transposed(&self, x: &[f64], y: &mut [f64]) {
         match self {
             StoredMatrix::Double(a) => multiply_transposed(a.as_ref(), x, y),
-            StoredMatrix::Single(a) => single::multiply_transposed(a.as_ref(), x, y),
+            StoredMatrix::Single(a) => multiply_transposed(a.as_ref(), x, y),
         }
     }
 
     /// Lower triangle of `a^T diag(weights) a`, into the columns of `out`.
     pub fn weighted_gram(&self, weights: &[f64], out: &mut [f64]) {
         match self {
-            StoredMatrix::Double(a) => weighted_gram(Panels::Double(a.as_ref()), weights, out),
-            StoredMatrix::Single(a) => weighted_gram(Panels::Single(a.as_ref()), weights, out),
+            StoredMatrix::Double(a) => weighted_gram(a.as_ref(), weights, out),
+            StoredMatrix::Single(a) => weighted_gram(a.as_ref(), weights, out),
         }
     }
 
