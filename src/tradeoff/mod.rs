@@ -25,5 +25,5 @@ pub use family::{ELEMENTS, Family, GRADINGS, cells, grading};
 pub use reference::{Level, MARGIN, Measured, Reference, Refinement, Verdict};
 pub use selection::{Selection, select};
 pub use setting::Setting;
-pub use study::{Candidate, Sample, Study, reduction_tolerances};
+pub use study::{Candidate, Sample, Study, loosest_reduction};
 pub use trajectory::{Instant, Trajectory, Work};

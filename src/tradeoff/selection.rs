@@ -10,7 +10,7 @@ use super::errors::Quantity;
 use super::family::{Family, cells};
 use super::reference::{MARGIN, Reference, Refinement, Verdict};
 use super::setting::Setting;
-use super::study::Study;
+use super::study::{Study, loosest_reduction};
 use crate::bytes::{Reader, Writer};
 use crate::error::{Error, Result};
 use crate::scene::Scene;
@@ -201,7 +201,8 @@ impl Search<'_> {
         let mut step = study.interval();
         let shortest = study.communication_step() / 2f64.powi(MOST_HALVINGS as i32);
         let share = (SHARE_OF_REDUCTION * self.target).log10().floor() as i32;
-        let (setting, _body) = match study.loosest(&setting, share.min(-4)) {
+        let compile = |reduced: &Setting| study.compile(reduced);
+        let (setting, _body) = match loosest_reduction(&setting, share.min(-4), || true, compile) {
             Ok(found) => found,
             // this mesh gives no model; a finer one may
             Err(Error::ReductionInaccurate { .. } | Error::Body { .. }) => return Ok(true),

@@ -120,25 +120,6 @@ impl Study {
         })
     }
 
-    /// Compiles a setting with the loosest tolerance of the reduction that will do, of [`reduction_tolerances`].
-    ///
-    /// # Errors
-    /// Those of [`Study::compile`], of the tightest tolerance where none will do.
-    pub fn loosest(&mut self, setting: &Setting, loosest: i32) -> Result<(Setting, Candidate)> {
-        let mut outcome = Err(Error::Body {
-            what: "no tolerance of the reduction".to_owned(),
-        });
-        for tolerance in reduction_tolerances(loosest) {
-            let reduced = setting.clone().with("fidelity.tolerance", tolerance);
-            outcome = self.compile(&reduced).map(|candidate| (reduced, candidate));
-            match outcome {
-                Err(Error::ReductionInaccurate { .. } | Error::Body { .. }) => {}
-                _ => break,
-            }
-        }
-        outcome
-    }
-
     /// What tells bodies apart: equal for settings that share one.
     ///
     /// # Errors
@@ -148,12 +129,31 @@ impl Study {
     }
 }
 
-/// Tolerances of the reduction, every other power of ten from `10^loosest` down; a mesh may be reduced to a tighter one and
-/// not to a looser one.
-pub fn reduction_tolerances(loosest: i32) -> impl Iterator<Item = String> {
-    let loosest = loosest.clamp(TIGHTEST, -2);
-    let exponents = (TIGHTEST + 1..=loosest).rev().step_by(2);
-    exponents.chain([TIGHTEST]).map(|e| format!("1e{e}"))
+/// The setting with the loosest tolerance of the reduction that will do, and what `compile` makes of it: every other power of
+/// ten from `10^loosest` down is tried while `goes_on`, for a mesh may be reduced to a tighter one and not to a looser one.
+///
+/// # Errors
+/// Those of `compile`, with the tolerance tried last where none will do.
+pub fn loosest_reduction<T>(
+    setting: &Setting,
+    loosest: i32,
+    goes_on: impl Fn() -> bool,
+    mut compile: impl FnMut(&Setting) -> Result<T>,
+) -> Result<(Setting, T)> {
+    let mut exponent = loosest.clamp(TIGHTEST, -2);
+    loop {
+        let reduced = setting
+            .clone()
+            .with("fidelity.tolerance", format!("1e{exponent}"));
+        match compile(&reduced) {
+            Err(Error::ReductionInaccurate { .. } | Error::Body { .. })
+                if exponent > TIGHTEST && goes_on() =>
+            {
+                exponent = (exponent - 2).max(TIGHTEST);
+            }
+            outcome => return outcome.map(|model| (reduced, model)),
+        }
+    }
 }
 
 impl Candidate {

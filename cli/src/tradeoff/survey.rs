@@ -7,7 +7,7 @@ use super::point::{Group, Point};
 use crate::console;
 use std::time::Instant;
 use stickslip::tradeoff::{
-    Candidate, Quantity, Reference, Refinement, Setting, Study, Verdict, reduction_tolerances,
+    Candidate, Quantity, Reference, Refinement, Setting, Study, Verdict, loosest_reduction,
 };
 use stickslip::{Error, Result};
 
@@ -86,7 +86,12 @@ impl Refined {
 pub fn settings(study: &mut Study, reference: &Reference, budget: &Budget) -> Result<Survey> {
     let mut planned = batches(study);
     let bar = console::bar(planned.len() as u64, &study.scene().name);
-    let mut clock = Clock::default();
+    let mut bench = Bench {
+        study,
+        reference,
+        budget,
+        clock: Clock::default(),
+    };
     let mut survey = Survey {
         points: Vec::new(),
         refused: Vec::new(),
@@ -95,9 +100,7 @@ pub fn settings(study: &mut Study, reference: &Reference, budget: &Budget) -> Re
     };
     // the body of the scene as it is, which many settings share
     let _given = match planned.first() {
-        Some(batch) if batch.estimate.has_room() => {
-            Some(clock.compile(study, &Setting::unchanged())?)
-        }
+        Some(batch) if batch.estimate.has_room() => Some(bench.compile(&Setting::unchanged())?),
         _ => None,
     };
     let mut speed = Speed::unknown();
@@ -117,7 +120,7 @@ pub fn settings(study: &mut Study, reference: &Reference, budget: &Budget) -> Re
             continue;
         }
         let start = Instant::now();
-        survey.measure(study, reference, &mut clock, &batch, budget)?;
+        survey.measure(&mut bench, &batch)?;
         speed.learn(&estimate, start.elapsed().as_secs_f64());
     }
     bar.finish_and_clear();
@@ -134,19 +137,12 @@ impl Survey {
         Ok(())
     }
 
-    fn measure(
-        &mut self,
-        study: &mut Study,
-        reference: &Reference,
-        clock: &mut Clock,
-        batch: &Batch,
-        budget: &Budget,
-    ) -> Result<()> {
+    fn measure(&mut self, bench: &mut Bench, batch: &Batch) -> Result<()> {
         let outcome = match batch.ladders.is_empty() {
-            true => clock
-                .measure(study, reference, batch.group, &batch.setting)
+            true => bench
+                .measure(batch.group, &batch.setting)
                 .map(|point| self.points.push(point)),
-            false => self.climb(study, reference, clock, batch, budget),
+            false => self.climb(bench, batch),
         };
         match outcome {
             // without the scene as it is there is nothing to vary
@@ -161,26 +157,19 @@ impl Survey {
     }
 
     /// Steps in time on one mesh, as far as they improve anything.
-    fn climb(
-        &mut self,
-        study: &mut Study,
-        reference: &Reference,
-        clock: &mut Clock,
-        batch: &Batch,
-        budget: &Budget,
-    ) -> Result<()> {
-        let (mesh, _body) = reduce(study, clock, &batch.setting, budget)?;
+    fn climb(&mut self, bench: &mut Bench, batch: &Batch) -> Result<()> {
+        let (mesh, _body) = bench.reduce(&batch.setting)?;
         for ladder in &batch.ladders {
             let mut before: Option<Verdict> = None;
             let mut last = 0.0;
             for steps in ladder {
                 // the next one takes about twice as long
-                if before.is_some() && !budget.fits(2.0 * last, 1.0) {
+                if before.is_some() && !bench.budget.fits(2.0 * last, 1.0) {
                     return Ok(());
                 }
                 let start = Instant::now();
                 let setting = mesh.clone().and(steps);
-                let point = clock.measure(study, reference, batch.group, &setting)?;
+                let point = bench.measure(batch.group, &setting)?;
                 let verdict = point.verdict;
                 self.points.push(point);
                 if before.is_some_and(|b| !verdict.improves(&b, &Quantity::ALL)) {
@@ -194,26 +183,32 @@ impl Survey {
     }
 }
 
-/// Compiles with the loosest tolerance of the reduction that will do, as long as there is time to try.
-fn reduce(
-    study: &mut Study,
-    clock: &mut Clock,
-    setting: &Setting,
-    budget: &Budget,
-) -> Result<(Setting, Candidate)> {
-    let mut tolerances = reduction_tolerances(JOINT_REDUCTION).peekable();
-    loop {
-        let reduced = match tolerances.next() {
-            Some(tolerance) => setting.clone().with("fidelity.tolerance", tolerance),
-            None => setting.clone(),
-        };
+/// What settings are measured with.
+struct Bench<'a> {
+    study: &'a mut Study,
+    reference: &'a Reference,
+    budget: &'a Budget,
+    clock: Clock,
+}
+
+impl Bench<'_> {
+    fn compile(&mut self, setting: &Setting) -> Result<Candidate> {
+        self.clock.compile(self.study, setting)
+    }
+
+    fn measure(&mut self, group: Group, setting: &Setting) -> Result<Point> {
+        let (study, reference) = (&mut *self.study, self.reference);
+        self.clock.measure(study, reference, group, setting)
+    }
+
+    /// Compiles with the loosest tolerance of the reduction that will do, as long as there is time to try.
+    fn reduce(&mut self, setting: &Setting) -> Result<(Setting, Candidate)> {
+        let budget = self.budget;
         let start = Instant::now();
-        match clock.compile(study, &reduced) {
-            Err(Error::ReductionInaccurate { .. } | Error::Body { .. })
-                if tolerances.peek().is_some()
-                    && budget.fits(start.elapsed().as_secs_f64(), 1.0) => {}
-            outcome => return outcome.map(|candidate| (reduced, candidate)),
-        }
+        let has_time = || budget.fits(start.elapsed().as_secs_f64(), 1.0);
+        loosest_reduction(setting, JOINT_REDUCTION, has_time, |reduced| {
+            self.compile(reduced)
+        })
     }
 }
 
