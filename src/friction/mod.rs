@@ -26,6 +26,7 @@ mod plane;
 pub mod problem;
 mod second_variation;
 mod small;
+mod sweep;
 pub(crate) mod tangent;
 
 pub use law::{FrictionLaw, Law, SlipPath};

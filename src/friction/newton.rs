@@ -26,8 +26,8 @@ use super::direction::{Direction, PATIENCE};
 use super::law::FrictionLaw;
 use super::linearisation::{InverseCache, Linearisation};
 use super::plane;
-use super::problem::{ContactProblem, Judgement, Point, norm};
-use crate::linalg::column;
+use super::problem::{ContactProblem, Judgement, Point};
+use super::sweep::frozen_bound_sweep;
 use pulp::{Arch, Scalar, Simd, WithSimd};
 
 /// What a solve reached.
@@ -322,37 +322,4 @@ fn sweep<L: FrictionLaw>(problem: &ContactProblem<L>, ws: &mut Workspace) {
         frozen_bound_sweep(problem, &mut ws.accepted);
     }
     problem.complete(&mut ws.accepted);
-}
-
-/// One sweep over the nodes, each minimising W with its bound frozen (or, where the bound grows with the rate,
-/// linearised) and the others held. Keeps `y` up to date, not the rest of the point.
-fn frozen_bound_sweep<L: FrictionLaw>(problem: &ContactProblem<L>, point: &mut Point) {
-    for node in 0..problem.nodes() {
-        let at = problem.at(node);
-        let stiffness = problem.stiffness(node);
-        let rate = norm(&point.w[at.clone()]);
-        let mut target = [0.0; 2];
-        for (target, i) in target.iter_mut().zip(at.clone()) {
-            *target = stiffness * point.w[i] - point.y[i];
-        }
-        let pull = norm(&target[..problem.components]);
-        let law = problem.weighted_law(node, rate);
-        let slope = law.slope.max(0.0);
-        let bound = law.bound - slope * rate;
-        let new_rate = ((pull - bound) / (stiffness + slope)).max(0.0);
-        for (i, target) in at.zip(target) {
-            let new = if new_rate > 0.0 {
-                new_rate * target / pull
-            } else {
-                0.0
-            };
-            let change = new - point.w[i];
-            if change != 0.0 {
-                point.w[i] = new;
-                for (y, s) in point.y.iter_mut().zip(column(problem.s, i)) {
-                    *y += change * s;
-                }
-            }
-        }
-    }
 }
