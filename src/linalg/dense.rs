@@ -24,6 +24,9 @@ pub fn pivoted_cholesky(
     smallest: f64,
 ) -> Result<(Vec<usize>, Mat<f64>)> {
     let size = a.nrows();
+    if size == 0 {
+        return Ok((Vec::new(), a));
+    }
     let (mut order, mut inverse) = (vec![0_usize; size], vec![0_usize; size]);
     let scratch = cholesky_in_place_scratch::<usize, f64>(size, Par::Seq, Default::default());
     let mut memory = MemBuffer::new(scratch);

@@ -9,6 +9,7 @@ pub mod lanes;
 pub mod modal;
 mod ordering;
 mod products;
+mod reordered;
 mod single;
 mod sparse;
 mod stored;

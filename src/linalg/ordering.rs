@@ -142,6 +142,11 @@ impl Dissection {
         let mut best: Option<(usize, usize, u32, u8)> = None;
         for axis in 0..3 {
             let ranks = &self.ranks[axis];
+            // nothing to cut across a flat body
+            let first = ranks[nodes[0] as usize];
+            if nodes.iter().all(|&node| ranks[node as usize] == first) {
+                continue;
+            }
             let rank = |node: u32| (ranks[node as usize], node);
             let (_, &mut median, _) = nodes.select_nth_unstable_by_key(middle, |&node| rank(node));
             let (median, _) = rank(median);

@@ -6,6 +6,7 @@
 
 use super::dense::mirror_lower;
 use super::ordering::nested_dissection;
+use super::reordered::Reordered;
 use crate::error::{Error, Result};
 use dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::cholesky::llt::factor::LltError;
@@ -32,46 +33,6 @@ pub struct SparseCholesky {
     trailing: usize,
     /// The matrix in the order of the factor: once for all that are factored.
     reordered: Reordered,
-}
-
-/// Lower triangle of a pattern by columns, rows and columns in the order of the factor.
-struct Reordered {
-    col_ptr: Vec<usize>,
-    row_idx: Vec<usize>,
-    /// Where every entry stands in the pattern as it was given.
-    from: Vec<usize>,
-}
-
-impl Reordered {
-    /// From the lower triangle by columns and the place of every dof in the factor.
-    fn new(col_ptr: &[usize], row_idx: &[usize], place: &[usize]) -> Reordered {
-        let n = place.len();
-        let entries = |visit: &mut dyn FnMut(usize, usize, usize)| {
-            for j in 0..n {
-                for at in col_ptr[j]..col_ptr[j + 1] {
-                    let (a, b) = (place[row_idx[at]], place[j]);
-                    visit(a.max(b), a.min(b), at);
-                }
-            }
-        };
-        let mut next = vec![0; n + 1];
-        entries(&mut |_, column, _| next[column + 1] += 1);
-        for j in 0..n {
-            next[j + 1] += next[j];
-        }
-        let starts = next.clone();
-        let (mut rows, mut from) = (vec![0; row_idx.len()], vec![0; row_idx.len()]);
-        entries(&mut |row, column, at| {
-            rows[next[column]] = row;
-            from[next[column]] = at;
-            next[column] += 1;
-        });
-        Reordered {
-            col_ptr: starts,
-            row_idx: rows,
-            from,
-        }
-    }
 }
 
 impl SparseCholesky {
@@ -180,12 +141,15 @@ impl SparseCholesky {
             row_idx,
             from,
         } = &self.reordered;
-        debug_assert_eq!((given_col_ptr.len(), given_row_idx.len()), (col_ptr.len(), from.len()));
+        debug_assert_eq!(
+            (given_col_ptr.len(), given_row_idx.len()),
+            (col_ptr.len(), from.len())
+        );
         let stack = MemStack::new(scratch);
         let (values, stack) = stack.make_with(from.len(), |at| values[from[at]]);
         let n = self.order.len();
         let pattern = SymbolicSparseColMatRef::new_unsorted_checked(n, n, col_ptr, None, row_idx);
-        let matrix = SparseColMatRef::new(pattern, &*values);
+        let matrix = SparseColMatRef::new(pattern, &values);
         factorize_supernodal_numeric_llt(
             factor,
             matrix,

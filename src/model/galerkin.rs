@@ -1,28 +1,23 @@
-//! Galerkin projection of the body on the responses to its ports at a few shifts, from samples of the transfer matrix alone.
+//! Galerkin projection of the body on a few fields and on the responses to its ports at a few shifts (see `responses`), the latter
+//! from samples of the transfer matrix alone.
 //!
-//! With `X_i = (c_i A + d_i B)^-1 P` and `det = c_i d_j - c_j d_i`, the projected pair is made of Loewner quotients, and on
-//! the diagonal of the derivative by the angle, `H' = -X^T (-d A + c B) X`:
-//!
-//! ```text
-//! i != j   X_i^T A X_j = (d_j H_j - d_i H_i) / det,   X_i^T B X_j = (c_i H_i - c_j H_j) / det
-//! i == j   X_i^T A X_i = c_i H_i + d_i H'_i,          X_i^T B X_i = d_i H_i - c_i H'_i
-//! ```
-//!
-//! Ports are comparable in energy (see `scaling`), so that contact forces of every wavelength count alike. A Cholesky
-//! factorization of the Gram matrix `X^T A X` with pivoting then orders the responses by what each adds to those before it: the
-//! first r of them are kept, made orthonormal in A by the factor, and the pair is diagonalised: `A = I`, `B = diag(rates)`.
+//! Ports are comparable in energy (see `scaling`), so that contact forces of every wavelength count alike. The fields come first.
+//! A Cholesky factorization with pivoting of the Gram matrix `X^T A X` then orders the responses by what each adds to the fields and
+//! the responses before it: the first r of them are kept, made orthonormal in A by the factor, and the pair is diagonalised: `A = I`, `B = diag(rates)`.
 //! Close to rounding, where responses of their own are hardly more than noise, the singular vectors of the factor order
 //! combinations of them instead (those of the Gram matrix, at a multiple of the cost).
 
-use super::shifts::{Shifts, shift};
+use super::responses::Responses;
+use super::samples::Sampled;
 use crate::error::Result;
 use crate::linalg::{
     column, dot, mirror_lower, multiply, multiply_transposed, pivoted_cholesky, symmetric_eigen,
 };
+use faer::linalg::matmul::triangular::{BlockStructure, matmul};
 use faer::linalg::triangular_solve::{
     solve_lower_triangular_in_place, solve_upper_triangular_in_place,
 };
-use faer::{Mat, Par};
+use faer::{Accum, Mat, Par};
 
 /// Combinations whose share of the energy is below this are dependent to rounding.
 const DEPENDENT: f64 = 1e-13;
@@ -33,11 +28,13 @@ const POWER_ITERATIONS: usize = 12;
 
 /// The projected pair on the independent responses.
 pub struct Projection {
-    /// Responses that are independent to rounding, strongest first.
+    /// How many fields there are; they come first.
+    fields: usize,
+    /// Responses that are independent of them and of each other to rounding, strongest first: port, plus ports times shift.
     order: Vec<usize>,
-    /// How many responses there are in all: shifts x ports.
+    /// Shifts x ports.
     size: usize,
-    /// Factor L of their Gram matrix.
+    /// Factor L of the Gram matrix of all of them.
     lower: Mat<f64>,
     /// Combinations of the orthonormal responses, when it is not themselves that are ordered: rank x rank.
     combinations: Option<Mat<f64>>,
@@ -60,45 +57,76 @@ pub struct Modes {
     pub outlier: (f64, f64),
     /// Scaled port velocities of every mode: states x ports.
     pub ports: Mat<f64>,
-    /// Scaled port forces at every shift that make up a mode: (shifts x ports) x states.
+    /// Weights of the fields in a mode: fields x states.
+    pub fields: Mat<f64>,
+    /// Scaled port forces at every shift that make up the rest of a mode, the contact turned: (shifts x ports) x states.
     pub forces: Mat<f64>,
 }
 
 impl Projection {
-    /// Projects on the shifts, from the scaled samples at all angles and the derivatives at the shifts; `emphasis` holds the factors by which errors on the contact
-    /// count that come from the ports that follow it.
+    /// Projects on the fields and on the responses at the shifts, but for those to the ports that `is_held` by the fields tells.
+    /// `emphasis` holds the factors by which errors on the contact count that come from the ports that follow it.
     ///
     /// # Errors
     /// [`crate::Error::Body`] when the eigenvalues cannot be computed.
     pub fn new(
-        shifts: &Shifts,
-        samples: &[Mat<f64>],
-        derivatives: &[Mat<f64>],
+        sampled: &Sampled,
+        is_held: impl Fn(usize) -> bool,
         emphasis: &[f64],
     ) -> Result<Projection> {
-        let (a, b) = loewner(shifts, samples, derivatives);
-        let (size, m) = (a.nrows(), samples[0].nrows());
-
+        let (shifts, fields) = (&sampled.shifts, &sampled.fields);
+        let responses = Responses::new(sampled, is_held);
+        let (m, k) = (sampled.transfer[0].nrows(), fields.len());
+        let (mut a, b) = responses.products();
+        // what the fields hold of the responses
+        let held = Mat::from_fn(k, responses.len(), |f, at| responses.viscosity(f, at));
+        matmul(
+            a.as_mut(),
+            BlockStructure::TriangularLower,
+            Accum::Add,
+            held.transpose(),
+            BlockStructure::Rectangular,
+            held.as_ref(),
+            BlockStructure::Rectangular,
+            -1.0,
+            Par::Seq,
+        );
         let weakest = DEPENDENT.max(SIGNAL * shifts.derivative_error);
-        let (order, lower) = pivoted_cholesky("the Gram matrix of the reduction", a, weakest)?;
-        let rank = order.len();
-        let mut elasticity = Mat::from_fn(rank, rank, |i, j| b[(order[i], order[j])]);
+        let (order, own) = pivoted_cholesky("the Gram matrix of the reduction", a, weakest)?;
+
+        // the fields are orthonormal, and come first
+        let rank = k + order.len();
+        let response = |i: usize| i.checked_sub(k);
+        let lower = Mat::from_fn(rank, rank, |i, j| match (response(i), response(j)) {
+            (Some(i), Some(j)) => own[(i, j)],
+            (Some(i), None) => held[(j, order[i])],
+            (None, _) => f64::from(u8::from(i == j)),
+        });
+        let mut elasticity = Mat::from_fn(rank, rank, |i, j| match (response(i), response(j)) {
+            (Some(i), Some(j)) => b[(order[i], order[j])],
+            (Some(i), None) => responses.elasticity(j, order[i]),
+            (None, Some(j)) => responses.elasticity(i, order[j]),
+            (None, None) => fields.elasticity[(i, j)],
+        });
         solve_lower_triangular_in_place(lower.as_ref(), elasticity.as_mut(), Par::Seq);
         let transposed = elasticity.as_mut().transpose_mut();
         solve_lower_triangular_in_place(lower.as_ref(), transposed, Par::Seq);
-        let mut seen = Mat::from_fn(rank, m, |i, j| {
-            let (shift, port) = (order[i] / m, order[i] % m);
-            samples[shifts.shifts[shift]][(port, j)]
+        let mut seen = Mat::from_fn(rank, m, |i, port| match response(i) {
+            Some(i) => responses.seen(order[i], port),
+            None => responses.seen_field(i, port),
         });
+        sampled.turn.forth(seen.as_mut().transpose_mut());
         solve_lower_triangular_in_place(lower.as_ref(), seen.as_mut(), Par::Seq);
+        let places = order.iter().map(|&at| responses.place(at));
         Ok(Projection {
-            order,
-            size,
+            fields: k,
+            order: places.map(|(shift, port)| shift * m + port).collect(),
+            size: shifts.count() * m,
             lower,
             combinations: None,
             elasticity,
             seen,
-            instantaneous: samples[shifts.tests[0]].clone(),
+            instantaneous: sampled.transfer[shifts.tests[0]].clone(),
             emphasis: emphasis.to_vec(),
         })
     }
@@ -121,7 +149,7 @@ impl Projection {
 
     /// Responses that are independent to rounding.
     pub fn rank(&self) -> usize {
-        self.order.len()
+        self.elasticity.nrows()
     }
 
     fn contact_len(&self) -> usize {
@@ -130,7 +158,7 @@ impl Projection {
 
     /// The fewest responses whose instantaneous transfer matrix is right to `tolerance`.
     pub fn rank_for(&self, tolerance: f64) -> usize {
-        let (mut low, mut high) = (1, self.rank());
+        let (mut low, mut high) = (self.fields.max(1), self.rank());
         while low < high {
             let middle = (low + high) / 2;
             if self.truncation_error(middle) <= tolerance {
@@ -220,52 +248,16 @@ impl Projection {
         let lower = self.lower.get(..modes.nrows(), ..modes.nrows());
         solve_upper_triangular_in_place(lower.transpose(), modes.as_mut(), Par::Seq);
         let mut forces = Mat::zeros(self.size, rank);
-        for (i, at) in self.order[..modes.nrows()].iter().enumerate() {
-            forces.row_mut(*at).copy_from(modes.row(i));
+        let (of_fields, responses) = modes.split_at_row(self.fields);
+        for (i, at) in self.order[..responses.nrows()].iter().enumerate() {
+            forces.row_mut(*at).copy_from(responses.row(i));
         }
         Ok(Modes {
             rates,
             outlier,
             ports,
+            fields: of_fields.to_owned(),
             forces,
         })
     }
-}
-
-/// The projected pair `(X^T A X, X^T B X)` over all shifts, from samples of the transfer matrix.
-fn loewner(
-    shifts: &Shifts,
-    samples: &[Mat<f64>],
-    derivatives: &[Mat<f64>],
-) -> (Mat<f64>, Mat<f64>) {
-    let (m, count) = (samples[0].nrows(), shifts.count());
-    let size = count * m;
-    let (mut a, mut b) = (Mat::<f64>::zeros(size, size), Mat::<f64>::zeros(size, size));
-    for i in 0..count {
-        let hi = &samples[shifts.shifts[i]];
-        let (ci, di) = shift(shifts.angle(i));
-        for j in 0..count {
-            let hj = if i == j {
-                &derivatives[i]
-            } else {
-                &samples[shifts.shifts[j]]
-            };
-            let (cj, dj) = shift(shifts.angle(j));
-            // weights of H_i and of H_j, or of H' on the diagonal
-            let (a_weights, b_weights) = if i == j {
-                ((ci, di), (di, -ci))
-            } else {
-                let det = ci * dj - cj * di;
-                ((-di / det, dj / det), (ci / det, -cj / det))
-            };
-            for q in 0..m {
-                for p in 0..m {
-                    let (hi, hj) = (hi[(p, q)], hj[(p, q)]);
-                    a[(i * m + p, j * m + q)] = a_weights.0 * hi + a_weights.1 * hj;
-                    b[(i * m + p, j * m + q)] = b_weights.0 * hi + b_weights.1 * hj;
-                }
-            }
-        }
-    }
-    (a, b)
 }

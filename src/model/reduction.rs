@@ -1,17 +1,19 @@
 //! Reduction of the body to the relaxation rates that its ports see, to a chosen tolerance.
 //!
 //! Galerkin projection on `span{ (c_i A + d_i B)^-1 P }` over a few shifts (see `galerkin`), which are known beforehand from
-//! the interval of rates (see `shifts`), from samples of the transfer matrix (see `transfer`): no basis of the length of the
-//! body is ever formed. The result is then judged at the samples that are not shifts (see `samples`). Projection keeps the
+//! the interval of rates (see `shifts`), from samples of the transfer matrix (see `transfer`): a basis of the length of the
+//! body is formed for a few forces alone, where the samples are not sharp enough (see `fields`). The result is then judged at the samples that are not shifts (see `samples`). Projection keeps the
 //! rates between the extreme eigenvalues of `A^-1 B`, which the element rates bound: a rate outside that matters is an error
 //! upstream.
 
+use super::fields;
 use super::galerkin::{Modes, Projection};
+use super::port_matrix::PortMatrix;
 use super::reduced::Reduced;
 use super::samples::Sampled;
 use super::scaling::Scaling;
 use super::shifts::Shifts;
-use super::transfer::{PortMatrix, Sampler};
+use super::transfer::Sampler;
 use crate::error::{Error, Result};
 use crate::fem::Body;
 use crate::linalg::{SparseCholesky, StoredMatrix};
@@ -22,7 +24,8 @@ use faer::Mat;
 /// they push and what the body holds back, and its stress at a node is sharper than the energy of the contact tells.
 /// Not below the rounding of the samples, though.
 const LOAD_EMPHASIS: f64 = 1000.0;
-/// Weight of the loads among the ports when their responses are ranked: they are few, and are kept nearly whole.
+/// Weight of the loads among the ports when their responses are ranked, where the fields do not hold them: they are few, and are
+/// kept nearly whole.
 const LOAD_WEIGHT: f64 = 5.0;
 /// Shares of the tolerance that dropping nearly dependent responses may use, tried in this order: friction that weakens
 /// magnifies errors of the body, and the larger shares are for tolerances at the limit of rounding.
@@ -48,8 +51,11 @@ pub struct ReductionRecord {
     pub achieved: f64,
 }
 
-/// What rebuilds the field of the body from modal coordinates: every mode is a sum of responses to port forces.
+/// What rebuilds the field of the body from modal coordinates: every mode is a sum of fields and of responses to port forces.
 pub struct Synthesis {
+    /// The fields (dofs x fields), and their weights in every mode (fields x states).
+    pub fields: Mat<f64>,
+    pub of_fields: Mat<f64>,
     /// Port forces at every shift that make up a mode: (shifts x ports) x states.
     pub forces: Mat<f64>,
     /// Angles of the shifts.
@@ -85,6 +91,7 @@ pub fn reduce(body: &Body, cholesky: &SparseCholesky, fidelity: &Fidelity) -> Re
     let emphasis = (tolerance / rounding).clamp(1.0, LOAD_EMPHASIS);
     let (weights, emphasis) = (of_loads(LOAD_WEIGHT), of_loads(emphasis));
 
+    let (depth, holds_all) = fields::depth(interval, tolerance);
     let mut search = Search {
         tolerance,
         precision,
@@ -96,20 +103,18 @@ pub fn reduce(body: &Body, cholesky: &SparseCholesky, fidelity: &Fidelity) -> Re
     // the plan is for an even spectrum; a body that needs more than one shift beyond it is at the limit of rounding
     for _ in 0..2 {
         let Some(shifts) = planned else { break };
-        let sampled = Sampled::new(&mut sampler, shifts, &weights, &emphasis)?;
-        let mut projection = Projection::new(
-            &sampled.shifts,
-            &sampled.transfer,
-            &sampled.derivatives,
-            &emphasis,
-        )?;
+        let sampled = Sampled::new(&mut sampler, shifts, &weights, &emphasis, (loads, depth))?;
+        let smooth = 0..sampled.turn.len();
+        let of_loads = ports.contact_len..ports.contact_len + loads;
+        let is_held = |port| holds_all && (smooth.contains(&port) || of_loads.contains(&port));
+        let mut projection = Projection::new(&sampled, is_held, &emphasis)?;
         let mut found = search.truncate(&projection, &sampled)?;
         if found.is_none() {
             projection.order_by_energy()?;
             found = search.truncate(&projection, &sampled)?;
         }
         if let Some(truncated) = found {
-            return Ok(finish(truncated, &sampled, loads, reference_rate));
+            return Ok(finish(truncated, sampled, loads, reference_rate));
         }
         planned = sampled.shifts.refined(interval, tolerance);
     }
@@ -141,11 +146,13 @@ impl Search {
         projection: &Projection,
         sampled: &Sampled,
     ) -> Result<Option<Truncated>> {
-        let mut ranks = TRUNCATION_SHARES
-            .map(|share| projection.rank_for(share * self.tolerance))
-            .to_vec();
-        ranks.dedup();
-        for rank in ranks {
+        let mut tried = 0;
+        for share in TRUNCATION_SHARES {
+            let rank = projection.rank_for(share * self.tolerance);
+            if rank == tried {
+                continue;
+            }
+            tried = rank;
             let mut modes = projection.modes(rank, self.interval)?;
             if modes.outlier.0 > OUTLIER {
                 self.outlying = self.outlying.or(Some(modes.outlier));
@@ -204,7 +211,7 @@ fn keep(modes: &mut Modes, scaling: &Scaling, precision: Precision) -> (StoredMa
 }
 
 /// The truncated modes in the units of the scene.
-fn finish(truncated: Truncated, sampled: &Sampled, loads: usize, reference_rate: f64) -> Reduction {
+fn finish(truncated: Truncated, sampled: Sampled, loads: usize, reference_rate: f64) -> Reduction {
     let Truncated {
         modes,
         ports: (contact, outputs),
@@ -214,6 +221,9 @@ fn finish(truncated: Truncated, sampled: &Sampled, loads: usize, reference_rate:
     let m = modes.ports.ncols();
     let mut forces = modes.forces;
     for shift in 0..shifts.count() {
+        sampled
+            .turn
+            .forth(forces.as_mut().subrows_mut(shift * m, m));
         scaling.apply_to_forces(forces.as_mut().subrows_mut(shift * m, m));
     }
     Reduction {
@@ -230,6 +240,8 @@ fn finish(truncated: Truncated, sampled: &Sampled, loads: usize, reference_rate:
         synthesis: Synthesis {
             forces,
             reference_rate,
+            fields: sampled.fields.fields,
+            of_fields: modes.fields,
             angles: (0..shifts.count()).map(|i| shifts.angle(i)).collect(),
         },
     }

@@ -4,19 +4,21 @@
 //! the compliance `C = L L^T` bounds the relative error of the compliance and of its inverse for any combination of forces or
 //! slips. A load or probe of own response h and contact response c is right to `|L^-1 (c_r - c)| / sqrt(h)`, times its emphasis.
 
+use super::fields::Fields;
 use super::galerkin::Modes;
 use super::reduced::add_response;
 use super::scaling::Scaling;
 use super::shifts::{Shifts, shift};
 use super::transfer::Sampler;
+use super::turn::Turn;
 use crate::error::Result;
 use crate::linalg::{mirror_lower, symmetric_eigenvalues};
 use faer::linalg::triangular_solve::solve_upper_triangular_in_place;
 use faer::{Mat, Par};
 
-/// Smooth contact forces whose derivatives are not taken from differences of samples, which would magnify their rounding errors:
-/// those are largest where the whole body moves.
-const SMOOTH_DIRECTIONS: usize = 13;
+/// Smooth contact forces whose responses are fields: the rounding errors of samples are largest where the whole body moves.
+const SMOOTH_DIRECTIONS: usize = 3;
+
 /// The scaled transfer matrix at all angles.
 pub struct Sampled<'a> {
     pub shifts: Shifts,
@@ -24,6 +26,11 @@ pub struct Sampled<'a> {
     pub transfer: Vec<Mat<f64>>,
     /// Its derivative by the angle at the shifts.
     pub derivatives: Vec<Mat<f64>>,
+    /// Responses to loads and smooth contact forces, and their products in A with those to the ports at the shifts: ports x fields.
+    pub fields: Fields,
+    pub couplings: Vec<Mat<f64>>,
+    /// Brings the smooth contact forces whose responses are fields to the first ports.
+    pub turn: Turn,
     /// Factors `Z^T Z` of the contact blocks.
     factors: Vec<Mat<f64>>,
     emphasis: &'a [f64],
@@ -35,37 +42,43 @@ impl<'a> Sampled<'a> {
         shifts: Shifts,
         weights: &[f64],
         emphasis: &'a [f64],
+        (loads, depth): (usize, usize),
     ) -> Result<Sampled<'a>> {
         let middle = shifts.tests[shifts.tests.len() / 2];
         let reference = sampler.sample(shifts.angles[middle])?;
         let scaling = Scaling::new(&reference, weights);
-        let mut reference = Some(reference);
         let directions = scaling.smooth_directions(SMOOTH_DIRECTIONS);
-        let forces = scaling.contact_forces(&directions);
-        let (mut transfer, mut factors, mut exact) = (Vec::new(), Vec::new(), Vec::new());
+        let forces = sampler
+            .ports()
+            .forces(loads, &scaling.contact_forces(&directions));
+        let mut fields = Fields::new(sampler, &reference, forces, depth);
+        let mut reference = Some(reference);
+        let (mut transfer, mut factors, mut couplings) = (Vec::new(), Vec::new(), Vec::new());
         for (at, angle) in shifts.angles.iter().enumerate() {
             let sample = match reference.take_if(|_| at == middle) {
                 Some(reference) => reference,
                 None => sampler.sample(*angle)?,
             };
             if shifts.shifts.contains(&at) {
-                exact.push(sampler.derivative(&sample, &forces));
+                let seen = fields.couple(sampler, &sample);
+                couplings.push(scaling.apply_to_velocities(&seen));
             }
             let scaled = scaling.apply(&sample);
             transfer.push(scaled.h);
             factors.push(scaled.z);
         }
-        let mut derivatives = Vec::new();
-        for (i, (&at, exact)) in shifts.shifts.iter().zip(&exact).enumerate() {
-            let mut derivative = shifts.derivative(i, &transfer);
-            scaling.correct_derivative(&mut derivative, exact, &factors[at], &directions);
-            derivatives.push(derivative);
-        }
+        fields.seen = scaling.apply_to_velocities(&fields.seen);
+        let derivatives = (0..shifts.count())
+            .map(|i| shifts.derivative(i, &transfer))
+            .collect();
         Ok(Sampled {
             shifts,
             scaling,
             transfer,
             derivatives,
+            fields,
+            couplings,
+            turn: Turn::new(&directions),
             factors,
             emphasis,
         })

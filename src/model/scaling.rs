@@ -8,7 +8,7 @@
 //! Z = L^-1 L_mid,   q_j = L^-1 r_j / t_j,   H = [Z q]^T [Z q] + diag(0, y_j . y_k / (t_j t_k))
 //! ```
 
-use super::transfer::{Derivative, Sample};
+use super::transfer::Sample;
 use faer::linalg::matmul::triangular::{BlockStructure, matmul};
 use faer::linalg::triangular_solve::{
     solve_lower_triangular_in_place, solve_upper_triangular_in_place,
@@ -104,53 +104,17 @@ impl Scaling {
         directions
     }
 
-    /// Puts exact columns into the `derivative` (scaled, m x m) of a sample with the factor `z`: those of the ports that follow
-    /// the contact, and what the scaled contact forces `directions` give.
-    pub fn correct_derivative(
-        &self,
-        derivative: &mut Mat<f64>,
-        exact: &Derivative,
-        z: &Mat<f64>,
-        directions: &Mat<f64>,
-    ) {
-        let (m, contact) = (derivative.nrows(), self.contact_len());
-        let others = self.others.len();
-        let mut columns = Mat::<f64>::zeros(m, exact.condensed.ncols());
-        let mut on_contact = z.transpose() * &exact.condensed;
-        for (j, scale) in self.others.iter().enumerate() {
-            let column = on_contact.col_mut(j).iter_mut();
-            column.for_each(|v| *v /= scale);
+    /// Velocities at the scaled ports (ports x columns), from those at the ports.
+    pub fn apply_to_velocities(&self, velocities: &Mat<f64>) -> Mat<f64> {
+        let contact = self.contact_len();
+        let mut out = velocities.clone();
+        let on_contact = self.lower.transpose() * velocities.get(..contact, ..);
+        out.as_mut().subrows_mut(0, contact).copy_from(&on_contact);
+        for (i, scale) in self.others.iter().enumerate() {
+            let row = out.row_mut(contact + i);
+            row.iter_mut().for_each(|v| *v /= scale);
         }
-        for j in 0..columns.ncols() {
-            let unit = self.others.get(j).copied().unwrap_or(1.0);
-            for i in 0..contact {
-                columns[(i, j)] = -on_contact[(i, j)];
-            }
-            for (i, scale) in self.others.iter().enumerate() {
-                columns[(contact + i, j)] = -exact.inside[(i, j)] / (scale * unit);
-            }
-        }
-        // D = exact - known on the directions; known += D V^T + V D^T - V (V^T D) V^T
-        let known = derivative.get(.., ..contact) * directions;
-        let off = columns.get(.., others..) - known;
-        let within = directions.transpose() * off.get(..contact, ..);
-        let correction = &off * directions.transpose();
-        let twice = directions * within * directions.transpose();
-        for j in 0..contact {
-            for i in 0..m {
-                derivative[(i, j)] += correction[(i, j)];
-                derivative[(j, i)] += correction[(i, j)];
-            }
-            for i in 0..contact {
-                derivative[(i, j)] -= 0.5 * (twice[(i, j)] + twice[(j, i)]);
-            }
-        }
-        for j in 0..others {
-            for i in 0..m {
-                derivative[(i, contact + j)] = columns[(i, j)];
-                derivative[(contact + j, i)] = columns[(i, j)];
-            }
-        }
+        out
     }
 
     /// Contact forces (N) of scaled ones, contact x columns.

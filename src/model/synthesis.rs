@@ -1,8 +1,8 @@
 //! The field of the body from a state, on demand: for pictures and files, never in a step.
 
+use super::port_matrix::PortMatrix;
 use super::reduction::Synthesis;
 use super::shifts::shift;
-use super::transfer::PortMatrix;
 use crate::error::Result;
 use crate::fem::Body;
 use crate::linalg::SparseCholesky;
@@ -23,6 +23,11 @@ impl Synthesis {
         let mut field = vec![0.0; n];
         let mut part = vec![0.0; n];
         let forces = &self.forces * faer::ColRef::from_slice(q);
+        let of_fields = &self.fields * (&self.of_fields * faer::ColRef::from_slice(q));
+        field
+            .iter_mut()
+            .zip(of_fields.iter())
+            .for_each(|(f, o)| *f += o);
         for (i, angle) in self.angles.iter().enumerate() {
             let (c, d) = shift(*angle);
             operators.combine(c, d / self.reference_rate, &mut values);

@@ -9,70 +9,24 @@
 //! y_j = L_ii^-1 p_i,   r_j = p_c - L_ci y_j,   H_cj = L^-T L^-1 r_j,   H_jk = y_j . y_k + L^-1 r_j . L^-1 r_k
 //! ```
 //!
-//! The derivative by the angle, `H' = -X^T (-d A + c B) X`, is had column by column with one more substitution and elimination
-//! each, for these ports and for a few contact forces of the caller:
-//!
-//! ```text
-//! x_j = L^-T [y_j, L_cc^-1 r_j],   v_j = (-d A + c B) x_j,   H'_cj = -L_cc^-T (L^-1 v_j)_c,   H'_jk = -x_j . v_k
-//! ```
-//!
 //! Angle 0 is the instantaneous (viscous) response, a quarter turn the long-time (elastic) one.
 
+use super::port_matrix::PortMatrix;
 use super::shifts::shift;
 use crate::error::Result;
-use crate::fem::{Body, OperatorPair};
-use crate::linalg::{SparseCholesky, column, dot};
+use crate::fem::OperatorPair;
+use crate::linalg::SparseCholesky;
 use dyn_stack::MemBuffer;
 use faer::linalg::triangular_solve::{
     solve_lower_triangular_in_place, solve_upper_triangular_in_place,
 };
-use faer::{Mat, Par};
+use faer::reborrow::ReborrowMut;
+use faer::{Mat, MatMut, MatRef, Par};
 
 /// Columns that go through the factor together: a pass over it costs more than the arithmetic on one column.
-const WIDTH: usize = 8;
-
-/// The ports of a body: contact dofs, then loads, then probes.
-pub struct PortMatrix {
-    /// Free dofs n.
-    pub rows: usize,
-    /// Contact dofs, the last ones of the body.
-    pub contact_len: usize,
-    /// Columns that follow the contact.
-    pub others: Vec<Vec<(usize, f64)>>,
-}
-
-impl PortMatrix {
-    pub fn new(body: &Body) -> PortMatrix {
-        let loads = body.loads.iter().map(|l| l.entries.clone());
-        let probes = body.probes.iter().flat_map(|p| p.rows.iter().cloned());
-        PortMatrix {
-            rows: body.len(),
-            contact_len: body.contact_len(),
-            others: loads.chain(probes).collect(),
-        }
-    }
-
-    /// Number of ports m.
-    pub fn len(&self) -> usize {
-        self.contact_len + self.others.len()
-    }
-
-    /// Dofs that are not in contact.
-    fn interior(&self) -> usize {
-        self.rows - self.contact_len
-    }
-
-    /// `P y`, into `out`.
-    pub fn expand(&self, y: &[f64], out: &mut [f64]) {
-        out.fill(0.0);
-        out[self.interior()..].copy_from_slice(&y[..self.contact_len]);
-        for (column, y) in self.others.iter().zip(&y[self.contact_len..]) {
-            for &(dof, value) in column {
-                out[dof] += value * y;
-            }
-        }
-    }
-}
+const WIDTH: usize = 4;
+/// Rows whose products are summed by themselves first.
+const PIECE: usize = 256;
 
 /// The transfer matrix at one angle, in factors.
 pub struct Sample {
@@ -84,13 +38,8 @@ pub struct Sample {
     pub inside: Mat<f64>,
 }
 
-/// Columns of the derivative by the angle, for the ports that follow the contact and then the contact forces given.
-pub struct Derivative {
-    /// `(L^-1 v_j)_c`, so that `H'_cj = -L^-T` of it: contact x columns.
-    pub condensed: Mat<f64>,
-    /// `x_j . v_k`, minus `H'_jk`: others x columns.
-    pub inside: Mat<f64>,
-}
+/// WIDTH columns that go through the factor together, row by row in the order of the factor.
+type Group = Vec<[f64; WIDTH]>;
 
 /// Samples the transfer matrix, with B divided by a reference rate; its memory serves all samples.
 pub struct Sampler<'a> {
@@ -102,8 +51,11 @@ pub struct Sampler<'a> {
     values: Vec<f64>,
     factor: Vec<f64>,
     memory: MemBuffer,
-    load: Vec<f64>,
-    eliminated: Vec<Vec<f64>>,
+    /// The ports that follow the contact, by dofs and, eliminated at the angle, in the order of the factor.
+    loads: Vec<Group>,
+    eliminated: Vec<Group>,
+    by_dofs: Group,
+    rows: Group,
 }
 
 impl<'a> Sampler<'a> {
@@ -113,6 +65,17 @@ impl<'a> Sampler<'a> {
         cholesky: &'a SparseCholesky,
         reference_rate: f64,
     ) -> Sampler<'a> {
+        let empty = || vec![[0.0; WIDTH]; ports.rows];
+        let of_group = |columns: &[Vec<(usize, f64)>]| {
+            let mut load = empty();
+            for (lane, column) in columns.iter().enumerate() {
+                for &(dof, value) in column {
+                    load[dof][lane] += value;
+                }
+            }
+            load
+        };
+        let loads: Vec<Group> = ports.others.chunks(WIDTH).map(of_group).collect();
         Sampler {
             ports,
             operators,
@@ -122,8 +85,10 @@ impl<'a> Sampler<'a> {
             values: vec![0.0; operators.row_idx.len()],
             factor: vec![0.0; cholesky.len()],
             memory: cholesky.scratch(1),
-            load: vec![0.0; ports.rows],
-            eliminated: vec![vec![0.0; ports.rows]; ports.others.len()],
+            eliminated: loads.iter().map(|_| empty()).collect(),
+            loads,
+            by_dofs: empty(),
+            rows: empty(),
         }
     }
 
@@ -143,20 +108,22 @@ impl<'a> Sampler<'a> {
             &mut self.factor,
             &mut self.memory,
         )?;
-        for (port, eliminated) in self.ports.others.iter().zip(&mut self.eliminated) {
-            self.load.fill(0.0);
-            for &(dof, value) in port {
-                self.load[dof] += value;
-            }
-            self.cholesky.reorder(&self.load, eliminated);
-        }
         let lower = self.cholesky.trailing_factor(&self.factor);
-        let condensed = eliminate(self.cholesky, &self.factor, &lower, &mut self.eliminated);
-        let (others, interior) = (self.eliminated.len(), self.ports.interior());
-        let inside = Mat::from_fn(others, others, |i, j| {
-            let (yi, yj) = (&self.eliminated[i], &self.eliminated[j]);
-            dot(&yi[..interior], &yj[..interior])
-        });
+        let (others, interior) = (self.ports.others.len(), self.ports.interior());
+        let mut condensed = Mat::zeros(lower.nrows(), others);
+        for (g, (load, group)) in self.loads.iter().zip(&mut self.eliminated).enumerate() {
+            self.cholesky.reorder(load, group);
+            self.cholesky.eliminate_rows(&self.factor, group);
+            get_columns(&group[interior..], condensed.as_mut(), g * WIDTH);
+        }
+        solve_lower_triangular_in_place(lower.as_ref(), condensed.as_mut(), Par::Seq);
+        let mut inside = Mat::zeros(others, others);
+        for (i, a) in self.eliminated.iter().enumerate() {
+            for (j, b) in self.eliminated.iter().enumerate() {
+                let (a, b) = (&a[..interior], &b[..interior]);
+                products(a, b, inside.as_mut(), (i * WIDTH, j * WIDTH));
+            }
+        }
         Ok(Sample {
             lower,
             condensed,
@@ -164,91 +131,123 @@ impl<'a> Sampler<'a> {
         })
     }
 
-    /// Columns of the derivative at the angle of the last `sample`, for the ports that follow the contact and for contact
-    /// `forces` (contact x columns).
-    pub fn derivative(&self, sample: &Sample, forces: &Mat<f64>) -> Derivative {
-        let (n, contact, interior) = (self.ports.rows, forces.nrows(), self.ports.interior());
-        let others = self.eliminated.len();
-        let (c, d) = shift(self.angle);
-        let mut turned = vec![0.0; self.values.len()];
+    /// The ports of the body.
+    pub fn ports(&self) -> &PortMatrix {
+        self.ports
+    }
+
+    /// The angle of the last sample.
+    pub fn angle(&self) -> f64 {
+        self.angle
+    }
+
+    /// Values of the operator at `angle`.
+    pub fn operator(&self, angle: f64) -> Vec<f64> {
+        let (c, d) = shift(angle);
+        let mut values = vec![0.0; self.operators.row_idx.len()];
         self.operators
-            .combine(-d, c / self.reference_rate, &mut turned);
+            .combine(c, d / self.reference_rate, &mut values);
+        values
+    }
 
-        // contact parts of the solutions: L_cc^-T of what is condensed
-        let mut on_contact = Mat::<f64>::zeros(contact, others + forces.ncols());
-        let mut of_others = on_contact.as_mut().subcols_mut(0, others);
-        of_others.copy_from(&sample.condensed);
-        let mut of_forces = on_contact.as_mut().subcols_mut(others, forces.ncols());
-        of_forces.copy_from(forces);
-        solve_lower_triangular_in_place(sample.lower.as_ref(), of_forces, Par::Seq);
+    /// An operator with the given values times the columns of `x` (by dofs).
+    pub fn apply(&self, operator: &[f64], x: MatRef<f64>) -> Mat<f64> {
+        let mut out = Mat::zeros(x.nrows(), x.ncols());
+        let (mut from, mut to) = (self.by_dofs.clone(), self.by_dofs.clone());
+        for j in (0..x.ncols()).step_by(WIDTH) {
+            set_columns(&mut from, x, j);
+            self.operators.apply_rows(operator, &from, &mut to);
+            get_columns(&to, out.as_mut(), j);
+        }
+        out
+    }
+
+    /// Solves with the operator of the last sample, in place, for all columns of `forces` (by dofs).
+    pub fn respond(&mut self, lower: &Mat<f64>, mut forces: MatMut<f64>) {
+        let interior = self.ports.interior();
+        for j in (0..forces.ncols()).step_by(WIDTH) {
+            set_columns(&mut self.by_dofs, forces.as_ref(), j);
+            self.cholesky.reorder(&self.by_dofs, &mut self.rows);
+            self.cholesky.eliminate_rows(&self.factor, &mut self.rows);
+            let mut on_contact = Mat::zeros(lower.nrows(), WIDTH);
+            get_columns(&self.rows[interior..], on_contact.as_mut(), 0);
+            solve_lower_triangular_in_place(lower.as_ref(), on_contact.as_mut(), Par::Seq);
+            let upper = lower.transpose();
+            solve_upper_triangular_in_place(upper, on_contact.as_mut(), Par::Seq);
+            set_columns(&mut self.rows[interior..], on_contact.as_ref(), 0);
+            self.cholesky
+                .substitute_back_rows(&self.factor, &mut self.rows);
+            self.cholesky.restore(&self.rows, &mut self.by_dofs);
+            get_columns(&self.by_dofs, forces.rb_mut(), j);
+        }
+    }
+
+    /// What the responses to `forces` (by dofs) at the angle of the last `sample` show at the ports: ports x forces.
+    pub fn observe_responses(&mut self, sample: &Sample, forces: MatRef<f64>) -> Mat<f64> {
+        let (contact, interior) = (self.ports.contact_len, self.ports.interior());
+        let mut seen = Mat::zeros(self.ports.len(), forces.ncols());
+        for from in (0..forces.ncols()).step_by(WIDTH) {
+            set_columns(&mut self.by_dofs, forces, from);
+            let rows = &mut self.rows;
+            self.cholesky.reorder(&self.by_dofs, rows);
+            self.cholesky.eliminate_rows(&self.factor, rows);
+            for (i, group) in self.eliminated.iter().enumerate() {
+                let (a, b) = (&group[..interior], &rows[..interior]);
+                products(a, b, seen.as_mut(), (contact + i * WIDTH, from));
+            }
+            get_columns(
+                &rows[interior..],
+                seen.as_mut().subrows_mut(0, contact),
+                from,
+            );
+        }
+        let (on_contact, others) = seen.as_mut().split_at_row_mut(contact);
+        let mut on_contact = on_contact;
+        solve_lower_triangular_in_place(sample.lower.as_ref(), on_contact.rb_mut(), Par::Seq);
+        let mut others = others;
+        others += sample.condensed.transpose() * &on_contact;
         let upper = sample.lower.transpose();
-        solve_upper_triangular_in_place(upper, on_contact.as_mut(), Par::Seq);
+        solve_upper_triangular_in_place(upper, on_contact, Par::Seq);
+        seen
+    }
+}
 
-        let mut images: Vec<Vec<f64>> = vec![vec![0.0; n]; on_contact.ncols()];
-        let mut solutions: Vec<Vec<f64>> = vec![vec![0.0; n]; others];
-        let (mut rows, mut by_dofs) = (vec![[0.0; WIDTH]; n], vec![[0.0; WIDTH]; n]);
-        for from in (0..images.len()).step_by(WIDTH) {
-            rows.fill([0.0; WIDTH]);
-            for (lane, j) in (from..images.len().min(from + WIDTH)).enumerate() {
-                if let Some(eliminated) = self.eliminated.get(j) {
-                    set_column(&mut rows[..interior], lane, eliminated);
+/// Writes the columns from `from` on into the lanes of `rows`; lanes without a column become 0.
+fn set_columns(rows: &mut [[f64; WIDTH]], columns: MatRef<f64>, from: usize) {
+    rows.fill([0.0; WIDTH]);
+    for (lane, j) in (from..columns.ncols().min(from + WIDTH)).enumerate() {
+        for (row, value) in rows.iter_mut().zip(columns.col(j).iter()) {
+            row[lane] = *value;
+        }
+    }
+}
+
+/// Reads the columns from `from` on from the lanes of `rows`.
+fn get_columns(rows: &[[f64; WIDTH]], mut columns: MatMut<f64>, from: usize) {
+    for (lane, j) in (from..columns.ncols().min(from + WIDTH)).enumerate() {
+        for (value, row) in columns.rb_mut().col_mut(j).iter_mut().zip(rows) {
+            *value = row[lane];
+        }
+    }
+}
+
+/// Products of the columns in the lanes of `a` with those of `b`, into the block of `out` at `(i, j)` as far as it reaches.
+fn products(a: &[[f64; WIDTH]], b: &[[f64; WIDTH]], mut out: MatMut<f64>, (i, j): (usize, usize)) {
+    let (lanes, columns) = (WIDTH.min(out.nrows() - i), WIDTH.min(out.ncols() - j));
+    for lane in 0..lanes {
+        // sums of sums of PIECE rows: rounding grows with their lengths
+        let mut sums = [0.0; WIDTH];
+        for (a, b) in a.chunks(PIECE).zip(b.chunks(PIECE)) {
+            let mut piece = [0.0; WIDTH];
+            for (a, b) in a.iter().zip(b) {
+                for (sum, b) in piece.iter_mut().zip(b) {
+                    *sum += a[lane] * b;
                 }
-                let trailing = column(on_contact.as_ref(), j);
-                set_column(&mut rows[interior..], lane, trailing);
             }
-            self.cholesky.substitute_back_rows(&self.factor, &mut rows);
-            for (lane, solution) in solutions.iter_mut().skip(from).take(WIDTH).enumerate() {
-                get_column(&rows, lane, solution);
-            }
-            self.cholesky.restore(&rows, &mut by_dofs);
-            self.operators.apply_rows(&turned, &by_dofs, &mut rows);
-            by_dofs.copy_from_slice(&rows);
-            self.cholesky.reorder(&by_dofs, &mut rows);
-            for (lane, image) in images.iter_mut().skip(from).take(WIDTH).enumerate() {
-                get_column(&rows, lane, image);
-            }
+            sums.iter_mut().zip(piece).for_each(|(s, p)| *s += p);
         }
-        let inside = Mat::from_fn(others, images.len(), |i, j| dot(&solutions[i], &images[j]));
-        Derivative {
-            condensed: eliminate(self.cholesky, &self.factor, &sample.lower, &mut images),
-            inside,
+        for (column, sum) in sums.iter().enumerate().take(columns) {
+            out[(i + lane, j + column)] = *sum;
         }
-    }
-}
-
-/// Eliminates loads (in the order of the factor) down to the contact, and the contact too: `(L^-1 load)_c`, contact x loads.
-fn eliminate(
-    cholesky: &SparseCholesky,
-    factor: &[f64],
-    lower: &Mat<f64>,
-    loads: &mut [Vec<f64>],
-) -> Mat<f64> {
-    let contact = lower.nrows();
-    for loads in loads.chunks_mut(WIDTH) {
-        let mut rows = vec![[0.0; WIDTH]; loads[0].len()];
-        for (lane, load) in loads.iter().enumerate() {
-            set_column(&mut rows, lane, load);
-        }
-        cholesky.eliminate_rows(factor, &mut rows);
-        for (lane, load) in loads.iter_mut().enumerate() {
-            get_column(&rows, lane, load);
-        }
-    }
-    let mut condensed = Mat::from_fn(contact, loads.len(), |i, j| {
-        loads[j][loads[j].len() - contact + i]
-    });
-    solve_lower_triangular_in_place(lower.as_ref(), condensed.as_mut(), Par::Seq);
-    condensed
-}
-
-fn set_column(rows: &mut [[f64; WIDTH]], lane: usize, column: &[f64]) {
-    for (row, value) in rows.iter_mut().zip(column) {
-        row[lane] = *value;
-    }
-}
-
-fn get_column(rows: &[[f64; WIDTH]], lane: usize, column: &mut [f64]) {
-    for (value, row) in column.iter_mut().zip(rows) {
-        *value = row[lane];
     }
 }
