@@ -68,24 +68,26 @@ impl Fields {
         };
         basis.fields.resize_with(n, 0, |_, _| 0.0);
         basis.images.resize_with(n, 0, |_, _| 0.0);
-        // A Q to M^-1 A Q, block by block
-        let mut responses = Mat::<f64>::with_capacity(n, most);
-        responses.resize_with(n, 0, |_, _| 0.0);
+        let mut recurrence = Mat::<f64>::zeros(most, most);
         let mut latest = forces;
         for level in 0..=depth {
+            // from A Q to M^-1 A Q, the columns of Q that are the latest
             sampler.respond(&sample.lower, latest.as_mut());
-            if level > 0 {
-                append(&mut responses, latest.as_ref());
-            }
+            let (to, responses) = (basis.fields.ncols(), latest.clone());
             if level < depth {
-                let from = basis.fields.ncols();
                 basis.add(latest, |x| sampler.apply(viscosity, x));
-                latest = basis.images.get(.., from..).to_owned();
+                latest = basis.images.get(.., to..).to_owned();
+            }
+            if level > 0 {
+                let shares = basis.images.transpose() * &responses;
+                let from = to - responses.ncols();
+                let mut block = recurrence.get_mut(..shares.nrows(), from..to);
+                block.copy_from(shares);
             }
         }
         let Basis { fields, images } = basis;
-        let last = fields.ncols() - latest.ncols();
-        let recurrence = images.transpose() * &responses;
+        let (k, last) = (fields.ncols(), fields.ncols() - latest.ncols());
+        let recurrence = recurrence.get(..k, ..k).to_owned();
         let of_last = &fields * recurrence.get(.., last..);
         let rest = images.get(.., last..) - sampler.apply(middle, of_last.as_ref());
         let stiff = fields.transpose() * sampler.apply(elasticity, fields.as_ref());
@@ -168,4 +170,49 @@ fn append(to: &mut Mat<f64>, columns: MatRef<f64>) {
     let from = to.ncols();
     let all = from + columns.ncols();
     to.resize_with(to.nrows(), all, |i, j| columns[(i, j - from)]);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::port_matrix::PortMatrix;
+    use super::*;
+    use crate::fem::Body;
+    use crate::linalg::SparseCholesky;
+    use crate::mesh::Mesh;
+    use crate::scene::{Scene, example};
+
+    #[test]
+    fn couplings_by_recurrence_are_those_by_substitution() {
+        let cells = [("mesh.cells".to_string(), "[8, 4]".to_string())];
+        let text = example("kazmi2014").unwrap();
+        let scene = Scene::with_overrides(text, "kazmi2014", &cells).unwrap();
+        let body = Body::assemble_on(&scene, Mesh::generate(&scene.mesh).unwrap()).unwrap();
+        let operators = &body.operators;
+        let (col_ptr, row_idx) = (&operators.col_ptr, &operators.row_idx);
+        let cholesky = SparseCholesky::new(col_ptr, row_idx, &body.interior_places()).unwrap();
+        let ports = PortMatrix::new(&body);
+        let mut sampler = Sampler::new(&ports, operators, &cholesky, 10.0);
+        let middle = sampler.sample(0.8).unwrap();
+        let smooth = Mat::from_fn(ports.contact_len, 2, |i, j| ((i * (j + 1)) as f64).cos());
+        let forces = ports.forces(1, &smooth);
+        let fields = Fields::new(&mut sampler, &middle, forces, 6);
+        assert_eq!(fields.len(), 18);
+
+        let images = sampler.apply(&sampler.operator(0.0), fields.fields.as_ref());
+        let gram = fields.fields.transpose() * &images;
+        assert!((gram - Mat::<f64>::identity(18, 18)).norm_max() < 1e-12);
+        for angle in [0.05, 0.8, 1.5] {
+            let sample = sampler.sample(angle).unwrap();
+            let expected = sampler.observe_responses(&sample, images.as_ref());
+            let found = fields.couple(&mut sampler, &sample);
+            assert!((found - &expected).norm_max() < 1e-11 * expected.norm_max());
+        }
+    }
+
+    #[test]
+    fn narrow_materials_need_few_fields_and_wide_ones_more_than_there_are() {
+        assert_eq!(depth([0.7268, 1.3758], 1e-8), (6, true));
+        assert_eq!(depth([0.01, 100.0], 1e-8), (MOST, false));
+        assert_eq!(depth([1.0, 1.0], 1e-8), (1, true));
+    }
 }

@@ -91,6 +91,10 @@ impl Projection {
             -1.0,
             Par::Seq,
         );
+        // a response that the fields hold leaves rounding, of either sign
+        for at in 0..a.nrows() {
+            a[(at, at)] = a[(at, at)].max(0.0);
+        }
         let weakest = DEPENDENT.max(SIGNAL * shifts.derivative_error);
         let (order, own) = pivoted_cholesky("the Gram matrix of the reduction", a, weakest)?;
 

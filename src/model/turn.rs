@@ -64,3 +64,31 @@ fn reflect(normal: &[f64], mut to: MatMut<f64>) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn directions_become_the_first_coordinates() {
+        let directions = Mat::from_fn(7, 3, |i, j| ((i + 1) as f64 * (j + 1) as f64).sin());
+        let directions = directions.qr().compute_thin_Q();
+        let turn = Turn::new(&directions);
+        let mut turned = directions.clone();
+        turn.back(turned.as_mut());
+        for j in 0..3 {
+            for i in 0..7 {
+                let expected = if i == j { 1.0 } else { 0.0 };
+                assert!((turned[(i, j)].abs() - expected).abs() < 1e-14);
+            }
+        }
+        turn.forth(turned.as_mut());
+        assert!((turned - &directions).norm_max() < 1e-14);
+
+        let matrix = Mat::from_fn(7, 7, |i, j| 1.0 / (1 + i + j) as f64);
+        let of = turn.of(&matrix);
+        assert!((of.transpose() - &of).norm_max() < 1e-14);
+        let (own, whole) = (of[(0, 0)], directions.transpose() * &matrix * &directions);
+        assert!((own - whole[(0, 0)]).abs() < 1e-14);
+    }
+}
