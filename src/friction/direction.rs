@@ -187,8 +187,13 @@ impl Direction {
         at: &mut Linearisation,
         cache: &mut FactorCache,
     ) -> bool {
+        // again at the same point: what was indefinite there still is
+        let first = if self.is_new {
+            self.attempt
+        } else {
+            self.attempt.min(1)
+        };
         self.is_new = true;
-        let first = self.attempt.min(1);
         for (attempt, (weakening, frees_near)) in ATTEMPTS.into_iter().enumerate().skip(first) {
             self.attempt = attempt;
             self.is_majorised = weakening < 1.0;

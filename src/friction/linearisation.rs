@@ -168,7 +168,7 @@ impl Factor {
             }
         });
         if self.is_made {
-            self.cholesky.invert_factor();
+            self.cholesky.prepare_solves();
             let (compact, order) = (&mut self.compact, components.len());
             self.cholesky.inverse_diagonal(&mut compact[..order]);
             self.yielding.fill(0.0);

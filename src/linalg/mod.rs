@@ -4,6 +4,7 @@ mod cholesky;
 mod dense;
 mod double;
 mod elementary;
+mod factorization;
 mod gram;
 pub mod lanes;
 pub mod modal;
@@ -13,6 +14,7 @@ mod single;
 mod sparse;
 mod stored;
 mod tiles;
+mod triangle;
 
 pub use cholesky::DenseCholesky;
 pub use dense::{mirror_lower, pivoted_cholesky, symmetric_eigen, symmetric_eigenvalues};
