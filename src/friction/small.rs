@@ -1,7 +1,8 @@
 //! The few terms by which the matrix of a Newton step differs from the one whose factor is at hand.
 //!
 //! With `K_0 = L L^T` at hand and `Y = L^-1 E`, half a solve with the terms e as right-hand sides, the matrix of the Woodbury
-//! formula is `Delta^-1 + Y^T Y`, and the forces of the terms are subtracted half-way through a solve: `L^-1 g - Y b`.
+//! formula is `Delta^-1 + Y^T Y`, and the forces of the terms are subtracted half-way through a solve: `L^-1 g - Y b`. Where a
+//! small matrix is inverted instead, the first half does nothing: `Delta^-1 + E^T (H E)` and `g - E b`.
 
 use super::linearisation::Factor;
 use crate::linalg::dot;
@@ -41,8 +42,8 @@ pub struct SmallSystem {
     /// The terms factored, and with which factor.
     known: Vec<Term>,
     version: u64,
-    /// Columns of Y, each as long as the largest factor.
-    halves: Vec<f64>,
+    /// Columns of Y, or of H E, each as long as the largest factor: they read what the terms see from half a solve.
+    rows: Vec<f64>,
     len: usize,
     /// L^T by columns.
     lower: Vec<f64>,
@@ -61,7 +62,7 @@ impl SmallSystem {
             stride,
             known: Vec::with_capacity(stride),
             version: 0,
-            halves: vec![0.0; stride * len],
+            rows: vec![0.0; stride * len],
             len,
             lower: vec![0.0; stride * stride],
             scaled: vec![0.0; stride * stride],
@@ -83,15 +84,20 @@ impl SmallSystem {
         half: &mut [f64],
     ) -> bool {
         let has_all = self.factor(terms, factor, c);
-        self.solve(terms, half);
+        self.solve(half);
         for (j, (term, force)) in terms.iter().zip(&self.forces[..self.order]).enumerate() {
             for p in 0..c {
                 g[term.place + p] -= force * term.e[p];
             }
-            let halves = self.halves[j * self.len..].iter();
-            for (half, z) in half.iter_mut().zip(halves).skip(term.place) {
-                *half -= force * z;
+            if !factor.cholesky.is_direct() {
+                let own = self.rows[j * self.len..].iter();
+                for (half, y) in half.iter_mut().zip(own).skip(term.place) {
+                    *half -= force * y;
+                }
             }
+        }
+        if factor.cholesky.is_direct() {
+            half[..g.len()].copy_from_slice(g);
         }
         has_all
     }
@@ -107,29 +113,31 @@ impl SmallSystem {
         self.order = common.unwrap_or(self.order.min(terms.len()));
         self.known.clear();
         self.known.extend_from_slice(terms);
-        let padded = factor.cholesky.padded_order();
+        let (padded, is_direct) = (factor.cholesky.padded_order(), factor.cholesky.is_direct());
         for (j, term) in terms.iter().enumerate().skip(self.order) {
-            let (others, rest) = self.halves.split_at_mut(j * self.len);
+            let (others, rest) = self.rows.split_at_mut(j * self.len);
             let own = &mut rest[..padded];
             own.fill(0.0);
             for (p, e) in term.e[..c].iter().enumerate() {
-                let place = term.place + p;
-                let half = factor.cholesky.half_of_unit(place);
-                own[place..]
-                    .iter_mut()
-                    .zip(half)
-                    .for_each(|(own, half)| *own += e * half);
+                let row = factor.cholesky.row(term.place + p).iter();
+                own.iter_mut().zip(row).for_each(|(own, y)| *own += e * y);
             }
+            // what the term does to another, or to itself, whose row this is
+            let effect = |row: &[f64]| {
+                if is_direct {
+                    let seen = &row[term.place..term.place + c];
+                    seen.iter().zip(&term.e).map(|(y, e)| y * e).sum::<f64>()
+                } else {
+                    dot(&row[term.place..], &own[term.place..])
+                }
+            };
             let (done, rest) = self.lower.split_at_mut(j * stride);
             let (lower, scaled) = (&mut rest[..j], &mut self.scaled[j * stride..][..j]);
-            for (i, other) in terms[..j].iter().enumerate() {
-                // both vanish before the later of the two places
-                let first = term.place.max(other.place);
-                let product = dot(&others[i * self.len + first..], &own[first..]);
-                scaled[i] = product - dot(&done[i * stride..][..i], &scaled[..i]);
+            for (i, other) in others.chunks_exact(self.len).enumerate() {
+                scaled[i] = effect(other) - dot(&done[i * stride..][..i], &scaled[..i]);
                 lower[i] = scaled[i] / self.pivots[i];
             }
-            let pivot = dot(own, own) + term.reciprocal - dot(lower, scaled);
+            let pivot = effect(own) + term.reciprocal - dot(lower, scaled);
             let is_as_expected = if term.reciprocal < 0.0 {
                 pivot < 0.0
             } else {
@@ -145,12 +153,11 @@ impl SmallSystem {
     }
 
     /// Forces of the factored terms, from half a solve.
-    fn solve(&mut self, terms: &[Term], half: &[f64]) {
+    fn solve(&mut self, half: &[f64]) {
         let (stride, order) = (self.stride, self.order);
         let x = &mut self.forces[..order];
-        for (j, term) in terms[..order].iter().enumerate() {
-            let first = term.place;
-            let value = dot(&self.halves[j * self.len + first..], &half[first..]);
+        for (j, row) in self.rows.chunks_exact(self.len).take(order).enumerate() {
+            let value = dot(row, half);
             x[j] = value - dot(&self.lower[j * stride..][..j], &x[..j]);
         }
         for (x, pivot) in x.iter_mut().zip(&self.pivots) {

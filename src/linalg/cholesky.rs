@@ -1,7 +1,8 @@
 //! Cholesky factorization, solves and inverse of symmetric positive definite matrices, in memory of their own.
 //!
 //! With `A = L L^T` and `Z = L^-T`, `A^-1 = Z Z^T`. An order between whole blocks of columns is filled up with the identity. A
-//! solve is two products with triangles, `Z (Z^T g)`: substitutions with L would wait for themselves.
+//! solve is two products with triangles, `Z (Z^T g)`: substitutions with L would wait for themselves. A small matrix is
+//! inverted: one product then is faster than two, and the inverse costs little.
 
 use super::double::dot;
 use super::factorization::{FactorInversion, Factorization, Square};
@@ -10,12 +11,14 @@ use super::triangle::Triangle;
 use faer::MatMut;
 use pulp::{Arch, Simd, WithSimd};
 
+/// Orders up to this are solved with the inverse.
+const SMALL: usize = 64;
 /// Columns this many numbers apart, or a multiple, share their places in a cache.
 const CONFLICT: usize = 32;
 
 /// Cholesky factorization of symmetric positive definite matrices of any order up to a largest one.
 pub struct DenseCholesky {
-    /// Lower factor L, by columns; for solves L^-1.
+    /// Lower factor L, by columns; for solves L^-1, or the inverse of a small matrix.
     factor: Vec<f64>,
     /// Reciprocals of its diagonal.
     reciprocals: Vec<f64>,
@@ -80,16 +83,30 @@ impl DenseCholesky {
         }
     }
 
-    /// Makes Z and its transpose from the factor, which is used up: what solves take.
+    /// Whether solves take the inverse itself: the first half of a solve is then the right-hand side.
+    pub fn is_direct(&self) -> bool {
+        self.order <= SMALL
+    }
+
+    /// Makes what solves take from the factor, which is used up.
     pub fn prepare_solves(&mut self) {
-        self.invert_factor();
-        let padded = self.padded_order();
+        if self.is_direct() {
+            self.square();
+        } else {
+            self.invert_factor();
+        }
+        let (padded, stride) = (self.padded_order(), self.stride);
         for j in 0..padded {
-            let column = &mut self.factor[j * self.stride..][..padded];
-            let first = j / BLOCK * BLOCK;
-            column[..first].fill(0.0);
-            for (i, value) in column.iter_mut().enumerate().skip(first) {
-                *value = self.inverse[i * self.stride + j];
+            if self.is_direct() {
+                for i in 0..j {
+                    self.factor[j * stride + i] = self.factor[i * stride + j];
+                }
+            } else {
+                let column = &mut self.factor[j * stride..][..padded];
+                column[..j].fill(0.0);
+                for (i, value) in column.iter_mut().enumerate().skip(j) {
+                    *value = self.inverse[i * stride + j];
+                }
             }
         }
     }
@@ -105,8 +122,8 @@ impl DenseCholesky {
         });
     }
 
-    /// Inverse of the matrix just factored, exactly symmetric; the factor is used up.
-    pub fn inverse(&mut self, mut out: MatMut<f64>) {
+    /// Makes the lower triangle of the inverse, in the place of the factor.
+    fn square(&mut self) {
         self.invert_factor();
         let padded = self.padded_order();
         Arch::new().dispatch(Square {
@@ -115,6 +132,11 @@ impl DenseCholesky {
             order: padded,
             stride: self.stride,
         });
+    }
+
+    /// Inverse of the matrix just factored, exactly symmetric; the factor is used up.
+    pub fn inverse(&mut self, mut out: MatMut<f64>) {
+        self.square();
         for j in 0..self.order {
             for i in j..self.order {
                 let value = self.factor[j * self.stride + i];
@@ -124,26 +146,39 @@ impl DenseCholesky {
         }
     }
 
-    /// The first half of a solve, `y = L^-1 g`; both of padded length.
+    /// The first half of a solve, `y = L^-1 g`, or g itself; both of padded length.
     pub fn solve_lower(&self, g: &[f64], y: &mut [f64]) {
-        Arch::new().dispatch(FirstHalf(self.triangle(&self.factor), g, y));
+        if self.is_direct() {
+            y.copy_from_slice(g);
+        } else {
+            Arch::new().dispatch(Lower(self.triangle(&self.factor), g, y));
+        }
     }
 
-    /// The second half, `x = L^-T y`; both of padded length.
+    /// The second half, `x = L^-T y`, or the product with the inverse; both of padded length.
     pub fn solve_upper(&self, y: &[f64], x: &mut [f64]) {
-        Arch::new().dispatch(SecondHalf(self.triangle(&self.inverse), y, x));
+        if self.is_direct() {
+            Arch::new().dispatch(Whole(self.triangle(&self.factor), y, x));
+        } else {
+            Arch::new().dispatch(Upper(self.triangle(&self.inverse), y, x));
+        }
     }
 
-    /// The first half for the unit vector `i`, from row `i` on.
-    pub fn half_of_unit(&self, i: usize) -> &[f64] {
-        &self.factor[i * self.stride + i..i * self.stride + self.padded_order()]
+    /// Row `i` of what the second half multiplies with, as a column: it reads entry i of the solution from half a solve. Zero
+    /// before entry i unless [`DenseCholesky::is_direct`].
+    pub fn row(&self, i: usize) -> &[f64] {
+        &self.factor[i * self.stride..][..self.padded_order()]
     }
 
     /// Diagonal of the inverse.
     pub fn inverse_diagonal(&self, out: &mut [f64]) {
         for (i, out) in out.iter_mut().enumerate().take(self.order) {
-            let half = self.half_of_unit(i);
-            *out = dot(half, half);
+            let row = self.row(i);
+            *out = if self.is_direct() {
+                row[i]
+            } else {
+                dot(&row[i..], &row[i..])
+            };
         }
     }
 
@@ -165,10 +200,10 @@ fn stride(order: usize) -> usize {
     }
 }
 
-/// `y = L^-1 g`.
-struct FirstHalf<'a>(Triangle<'a>, &'a [f64], &'a mut [f64]);
+/// `y = A x`, A lower triangular.
+struct Lower<'a>(Triangle<'a>, &'a [f64], &'a mut [f64]);
 
-impl WithSimd for FirstHalf<'_> {
+impl WithSimd for Lower<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -177,15 +212,27 @@ impl WithSimd for FirstHalf<'_> {
     }
 }
 
-/// `x = L^-T y`.
-struct SecondHalf<'a>(Triangle<'a>, &'a [f64], &'a mut [f64]);
+/// `y = A x`, A upper triangular.
+struct Upper<'a>(Triangle<'a>, &'a [f64], &'a mut [f64]);
 
-impl WithSimd for SecondHalf<'_> {
+impl WithSimd for Upper<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         self.0.multiply_upper(simd, self.1, self.2);
+    }
+}
+
+/// `y = A x`, A small.
+struct Whole<'a>(Triangle<'a>, &'a [f64], &'a mut [f64]);
+
+impl WithSimd for Whole<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        self.0.multiply_small(simd, self.1, self.2);
     }
 }
 
@@ -227,15 +274,14 @@ mod tests {
             let mut diagonal = vec![1.0; m];
             cholesky.inverse_diagonal(&mut diagonal);
             for (i, diagonal) in diagonal.iter().enumerate() {
+                let read = dot(cholesky.row(i), &half);
+                assert!((read - x[i]).abs() < 1e-12);
                 let mut unit = vec![0.0; padded];
                 unit[i] = 1.0;
-                cholesky.solve_lower(&unit, &mut half);
-                assert!(half[..i].iter().all(|h| *h == 0.0));
-                assert_eq!(&half[i..], cholesky.half_of_unit(i));
-                assert!(
-                    dot(&half, &half) == *diagonal
-                        || (dot(&half, &half) / diagonal - 1.0).abs() < 1e-12
-                );
+                let (mut y, mut column) = (vec![1.0; padded], vec![1.0; padded]);
+                cholesky.solve_lower(&unit, &mut y);
+                cholesky.solve_upper(&y, &mut column);
+                assert!((column[i] / diagonal - 1.0).abs() < 1e-12);
             }
             let mut inverse = Mat::zeros(m, m);
             cholesky.inverse(inverse.as_mut());

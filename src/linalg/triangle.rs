@@ -1,17 +1,14 @@
-//! Products with triangular matrices by columns, of an order that is a whole number of blocks; there are zeros beyond the
-//! triangle.
+//! Products with matrices by columns, of an order that is a whole number of blocks: with triangles, and with small matrices.
 
 use super::products::Entry;
 use super::tiles::BLOCK;
 use pulp::Simd;
 use std::ops::Range;
 
-/// Vectors of the result kept in registers while all columns are added, in a matrix of at most [`SMALL`] rows.
+/// Vectors of the result kept in registers while all columns of a small matrix are added.
 const ROWS: usize = 8;
-/// Rows of a matrix that stays in the first-level cache, where rows far apart in memory cost nothing.
-const SMALL: usize = 64;
 
-/// A triangular matrix, in columns `stride` apart.
+/// A matrix in columns `stride` apart.
 #[derive(Clone, Copy)]
 pub struct Triangle<'a> {
     pub values: &'a [f64],
@@ -22,10 +19,6 @@ impl Triangle<'_> {
     /// `y = A x`, A lower triangular.
     #[inline(always)]
     pub fn multiply_lower<S: Simd>(self, simd: S, x: &[f64], y: &mut [f64]) {
-        if x.len() <= SMALL {
-            // the columns up to the last row
-            return self.multiply_small(simd, x, y, |rows| 0..rows.end);
-        }
         y.fill(0.0);
         for (block, x) in x.as_chunks::<BLOCK>().0.iter().enumerate() {
             let first = block * BLOCK;
@@ -37,10 +30,6 @@ impl Triangle<'_> {
     /// `y = A x`, A upper triangular.
     #[inline(always)]
     pub fn multiply_upper<S: Simd>(self, simd: S, x: &[f64], y: &mut [f64]) {
-        if x.len() <= SMALL {
-            // the columns from the first row on
-            return self.multiply_small(simd, x, y, |rows| rows.start..x.len());
-        }
         y.fill(0.0);
         for (block, x) in x.as_chunks::<BLOCK>().0.iter().enumerate() {
             let (first, end) = (block * BLOCK, (block + 1) * BLOCK);
@@ -54,47 +43,32 @@ impl Triangle<'_> {
         std::array::from_fn(|q| &self.values[(first + q) * self.stride..][rows.clone()])
     }
 
-    /// Rows by rows; `columns` tells which columns reach them.
+    /// `y = A x`, rows by rows: for a matrix that stays in the first-level cache, where rows far apart in memory cost nothing.
     #[inline(always)]
-    fn multiply_small<S: Simd>(
-        self,
-        simd: S,
-        x: &[f64],
-        y: &mut [f64],
-        columns: impl Fn(Range<usize>) -> Range<usize>,
-    ) {
+    pub fn multiply_small<S: Simd>(self, simd: S, x: &[f64], y: &mut [f64]) {
         let (lanes, len) = (S::F64_LANES, y.len());
         let mut at = 0;
         while at + ROWS * lanes <= len {
-            self.rows::<S, ROWS>(simd, columns(at..at + ROWS * lanes), x, y, at);
+            self.rows::<S, ROWS>(simd, x, y, at);
             at += ROWS * lanes;
         }
         if at + ROWS / 2 * lanes <= len {
-            let rows = at..at + ROWS / 2 * lanes;
-            self.rows::<S, { ROWS / 2 }>(simd, columns(rows), x, y, at);
+            self.rows::<S, { ROWS / 2 }>(simd, x, y, at);
             at += ROWS / 2 * lanes;
         }
         while at < len {
-            self.rows::<S, 1>(simd, columns(at..at + lanes), x, y, at);
+            self.rows::<S, 1>(simd, x, y, at);
             at += lanes;
         }
     }
 
     /// `N` vectors of rows of the product, from row `at` on.
     #[inline(always)]
-    fn rows<S: Simd, const N: usize>(
-        self,
-        simd: S,
-        columns: Range<usize>,
-        x: &[f64],
-        y: &mut [f64],
-        at: usize,
-    ) {
+    fn rows<S: Simd, const N: usize>(self, simd: S, x: &[f64], y: &mut [f64], at: usize) {
         let mut sums = [simd.splat_f64s(0.0); N];
-        for (j, x) in columns.clone().zip(&x[columns]) {
+        for (column, x) in self.values.chunks_exact(self.stride).zip(x) {
             let factor = simd.splat_f64s(*x);
-            let column = &self.values[j * self.stride + at..][..N * S::F64_LANES];
-            let (vectors, _) = S::as_simd_f64s(column);
+            let (vectors, _) = S::as_simd_f64s(&column[at..at + N * S::F64_LANES]);
             for i in 0..N {
                 sums[i] = simd.mul_add_e_f64s(vectors[i], factor, sums[i]);
             }
