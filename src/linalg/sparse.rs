@@ -180,7 +180,10 @@ impl SparseCholesky {
             row_idx,
             from,
         } = &self.reordered;
-        debug_assert_eq!((given_col_ptr.len(), given_row_idx.len()), (col_ptr.len(), from.len()));
+        debug_assert_eq!(
+            (given_col_ptr.len(), given_row_idx.len()),
+            (col_ptr.len(), from.len())
+        );
         let stack = MemStack::new(scratch);
         let (values, stack) = stack.make_with(from.len(), |at| values[from[at]]);
         let n = self.order.len();
