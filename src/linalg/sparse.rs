@@ -188,7 +188,7 @@ impl SparseCholesky {
         let (values, stack) = stack.make_with(from.len(), |at| values[from[at]]);
         let n = self.order.len();
         let pattern = SymbolicSparseColMatRef::new_unsorted_checked(n, n, col_ptr, None, row_idx);
-        let matrix = SparseColMatRef::new(pattern, &*values);
+        let matrix = SparseColMatRef::new(pattern, &values);
         factorize_supernodal_numeric_llt(
             factor,
             matrix,
