@@ -40,7 +40,7 @@ fn run_of_the_paper() {
     }
 }
 
-/// Where everything slips, and the node at the corner reverses once in a while, the matrix of the start serves the whole run.
+/// Where everything slips, and the node at the corner reverses once in a while, the matrix of the first step serves the whole run.
 #[test]
 fn slip_everywhere() {
     for cells in [64, 128] {
@@ -49,7 +49,9 @@ fn slip_everywhere() {
             ("contact.friction.b", "1e-6"),
         ];
         let mut simulator = start(&paper(cells, &bound));
-        let steps = (0..32).map(|_| step(&mut simulator, 1.0 / 32.0));
+        // the first step of its size
+        step(&mut simulator, 1.0 / 32.0);
+        let steps = (1..32).map(|_| step(&mut simulator, 1.0 / 32.0));
         let factorizations: u64 = steps.map(|(work, _)| work.factorizations).sum();
         assert_eq!(factorizations, 0, "{cells} cells");
         assert_eq!(value(&simulator, "contact.stick_fraction"), 0.0);
