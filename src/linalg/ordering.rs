@@ -4,9 +4,8 @@
 //! (1973). The separator is the smallest one among the axes and the cuts directly before and after the median: it cuts
 //! the longest side, and on a layered mesh it is a single layer.
 
-/// Sets of at most this many nodes are no longer cut. They become dense blocks of the factor; smaller ones cost more in handling
-/// than in arithmetic.
-const LEAF: usize = 8;
+/// Sets of at most this many nodes are no longer cut.
+const LEAF: usize = 4;
 
 /// Elimination order of the first `places.len()` dofs of a symmetric pattern (lower triangle by columns); `places[dof]` are the
 /// coordinates of the node of a dof. The dofs of a node follow each other and stay together.

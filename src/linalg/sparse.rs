@@ -15,11 +15,7 @@ use faer::reborrow::ReborrowMut;
 use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
-    factorize_symbolic_cholesky,
-    supernodal::{
-        SupernodalLltRef, SymbolicSupernodalCholesky, factorize_supernodal_numeric_llt,
-        factorize_supernodal_numeric_llt_scratch,
-    },
+    factorize_symbolic_cholesky, supernodal::SupernodalLltRef,
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Accum, Conj, Mat, MatMut, Par, Side};
@@ -30,48 +26,6 @@ pub struct SparseCholesky {
     /// Position in the factor -> dof.
     order: Vec<usize>,
     trailing: usize,
-    /// The matrix in the order of the factor: once for all that are factored.
-    reordered: Reordered,
-}
-
-/// Lower triangle of a pattern by columns, rows and columns in the order of the factor.
-struct Reordered {
-    col_ptr: Vec<usize>,
-    row_idx: Vec<usize>,
-    /// Where every entry stands in the pattern as it was given.
-    from: Vec<usize>,
-}
-
-impl Reordered {
-    /// From the lower triangle by columns and the place of every dof in the factor.
-    fn new(col_ptr: &[usize], row_idx: &[usize], place: &[usize]) -> Reordered {
-        let n = place.len();
-        let entries = |visit: &mut dyn FnMut(usize, usize, usize)| {
-            for j in 0..n {
-                for at in col_ptr[j]..col_ptr[j + 1] {
-                    let (a, b) = (place[row_idx[at]], place[j]);
-                    visit(a.max(b), a.min(b), at);
-                }
-            }
-        };
-        let mut next = vec![0; n + 1];
-        entries(&mut |_, column, _| next[column + 1] += 1);
-        for j in 0..n {
-            next[j + 1] += next[j];
-        }
-        let starts = next.clone();
-        let (mut rows, mut from) = (vec![0; row_idx.len()], vec![0; row_idx.len()]);
-        entries(&mut |row, column, at| {
-            rows[next[column]] = row;
-            from[next[column]] = at;
-            next[column] += 1;
-        });
-        Reordered {
-            col_ptr: starts,
-            row_idx: rows,
-            from,
-        }
-    }
 }
 
 impl SparseCholesky {
@@ -129,7 +83,6 @@ impl SparseCholesky {
             symbolic,
             order,
             trailing,
-            reordered: Reordered::new(col_ptr, row_idx, &inverse),
         })
     }
 
@@ -150,61 +103,44 @@ impl SparseCholesky {
 
     /// Scratch for factoring and for solving with up to `columns` right-hand sides.
     pub fn scratch(&self, columns: usize) -> MemBuffer {
-        let factoring = factorize_supernodal_numeric_llt_scratch::<usize, f64>(
-            self.supernodes(),
-            Par::Seq,
-            Default::default(),
-        );
         MemBuffer::new(StackReq::or(
-            factoring.and(StackReq::new::<f64>(self.reordered.from.len())),
+            self.symbolic
+                .factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default()),
             self.symbolic
                 .solve_in_place_scratch::<f64>(columns, Par::Seq),
         ))
     }
 
-    /// Factors the matrix with the given lower-triangle values, on the pattern that was analysed, into `factor` (of length
-    /// [`SparseCholesky::len`]).
+    /// Factors the matrix with the given lower-triangle values into `factor` (of length [`SparseCholesky::len`]).
     ///
     /// # Errors
     /// [`Error::NotPositiveDefinite`] naming `what`.
     pub fn factor(
         &self,
         what: &'static str,
-        (given_col_ptr, given_row_idx): (&[usize], &[usize]),
+        (col_ptr, row_idx): (&[usize], &[usize]),
         values: &[f64],
         factor: &mut [f64],
         scratch: &mut MemBuffer,
     ) -> Result<()> {
-        let Reordered {
-            col_ptr,
-            row_idx,
-            from,
-        } = &self.reordered;
-        debug_assert_eq!(
-            (given_col_ptr.len(), given_row_idx.len()),
-            (col_ptr.len(), from.len())
-        );
-        let stack = MemStack::new(scratch);
-        let (values, stack) = stack.make_with(from.len(), |at| values[from[at]]);
-        let n = self.order.len();
-        let pattern = SymbolicSparseColMatRef::new_unsorted_checked(n, n, col_ptr, None, row_idx);
-        let matrix = SparseColMatRef::new(pattern, &values);
-        factorize_supernodal_numeric_llt(
-            factor,
-            matrix,
-            Default::default(),
-            self.supernodes(),
-            Par::Seq,
-            stack,
-            Default::default(),
-        )
-        .map(|_| ())
-        .map_err(
-            |LltError::NonPositivePivot { index }| Error::NotPositiveDefinite {
-                what,
-                pivot: index,
-            },
-        )
+        let matrix = SparseColMatRef::new(pattern(col_ptr, row_idx), values);
+        self.symbolic
+            .factorize_numeric_llt(
+                factor,
+                matrix,
+                Side::Lower,
+                Default::default(),
+                Par::Seq,
+                MemStack::new(scratch),
+                Default::default(),
+            )
+            .map(|_| ())
+            .map_err(
+                |LltError::NonPositivePivot { index }| Error::NotPositiveDefinite {
+                    what,
+                    pivot: index,
+                },
+            )
     }
 
     /// Solves in place, for every column of `rhs`.
@@ -319,13 +255,6 @@ impl SparseCholesky {
         mirror_lower(out);
     }
 
-    fn supernodes(&self) -> &SymbolicSupernodalCholesky<usize> {
-        let SymbolicCholeskyRaw::Supernodal(symbolic) = self.symbolic.raw() else {
-            unreachable!("the supernodal layout is forced in `with_order`");
-        };
-        symbolic
-    }
-
     fn interior(&self) -> usize {
         self.order.len() - self.trailing
     }
@@ -338,8 +267,11 @@ impl SparseCholesky {
         is_reversed: bool,
         mut visit: impl FnMut(usize, f64, usize, &[usize], &[f64]),
     ) {
-        let l = SupernodalLltRef::new(self.supernodes(), factor);
-        let count = self.supernodes().n_supernodes();
+        let SymbolicCholeskyRaw::Supernodal(symbolic) = self.symbolic.raw() else {
+            unreachable!("the supernodal layout is forced in `new`");
+        };
+        let l = SupernodalLltRef::new(symbolic, factor);
+        let count = symbolic.n_supernodes();
         for at in 0..count {
             let node = l.supernode(if is_reversed { count - 1 - at } else { at });
             let columns = node.val().ncols();
