@@ -62,6 +62,7 @@ pub struct Direction {
     /// How much every node differs from the point of linearisation; infinite where that is not known.
     differences: Vec<f64>,
     rhs: Vec<f64>,
+    /// Half-way through a solve.
     half: Vec<f64>,
     solution: Vec<f64>,
     terms: Vec<Term>,
@@ -171,7 +172,8 @@ impl Direction {
                 gradient[i] = y[i] + bound * normal[i];
             }
         }
-        self.last.compare(moves, &self.normal, &self.gradient)
+        self.last
+            .compare(problem.components, moves, &self.normal, &self.gradient)
     }
 
     fn moves<L: FrictionLaw>(&self, problem: &ContactProblem<L>, node: usize) -> bool {
@@ -187,7 +189,7 @@ impl Direction {
         at: &mut Linearisation,
         cache: &mut FactorCache,
     ) -> bool {
-        // again at the same point: what was indefinite there still is
+        // again at the same point, with fewer nodes that move: what was indefinite with all of them is not tried again
         let first = if self.is_new {
             self.attempt
         } else {

@@ -99,8 +99,6 @@ pub struct Factor {
     pub components: Vec<usize>,
     /// How far every contact component gives way to a force on it, m/(N s): zero where it is not free.
     pub yielding: Vec<f64>,
-    /// The same by rows.
-    compact: Vec<f64>,
     pub cholesky: DenseCholesky,
     last_use: u64,
     /// Tells apart all factors ever made here.
@@ -116,7 +114,6 @@ impl Factor {
             places: vec![NOWHERE; nodes],
             components: Vec::with_capacity(len),
             yielding: vec![0.0; len],
-            compact: vec![0.0; len],
             cholesky: DenseCholesky::new(len),
             last_use: 0,
             version: 0,
@@ -169,11 +166,9 @@ impl Factor {
         });
         if self.is_made {
             self.cholesky.prepare_solves();
-            let (compact, order) = (&mut self.compact, components.len());
-            self.cholesky.inverse_diagonal(&mut compact[..order]);
             self.yielding.fill(0.0);
-            for (component, yielding) in components.iter().zip(compact) {
-                self.yielding[*component] = *yielding;
+            for (row, component) in components.iter().enumerate() {
+                self.yielding[*component] = self.cholesky.inverse_diagonal(row);
             }
         }
         self.is_made

@@ -4,12 +4,14 @@
 //! solve is two products with triangles, `Z (Z^T g)`: substitutions with L would wait for themselves. A small matrix is
 //! inverted: one product then is faster than two, and the inverse costs little.
 
+use super::dense::mirror_lower;
 use super::double::dot;
 use super::factorization::{FactorInversion, Factorization, Square};
+use super::products::multiply;
 use super::tiles::BLOCK;
-use super::triangle::Triangle;
-use faer::MatMut;
-use pulp::{Arch, Simd, WithSimd};
+use super::triangle::TriangularProduct;
+use faer::{MatMut, MatRef};
+use pulp::Arch;
 
 /// Orders up to this are solved with the inverse.
 const SMALL: usize = 64;
@@ -90,23 +92,21 @@ impl DenseCholesky {
 
     /// Makes what solves take from the factor, which is used up.
     pub fn prepare_solves(&mut self) {
+        let (padded, stride) = (self.padded_order(), self.stride);
         if self.is_direct() {
             self.square();
-        } else {
-            self.invert_factor();
+            let a = &mut self.factor;
+            mirror_lower(MatMut::from_column_major_slice_with_stride_mut(
+                a, padded, padded, stride,
+            ));
+            return;
         }
-        let (padded, stride) = (self.padded_order(), self.stride);
+        self.invert_factor();
         for j in 0..padded {
-            if self.is_direct() {
-                for i in 0..j {
-                    self.factor[j * stride + i] = self.factor[i * stride + j];
-                }
-            } else {
-                let column = &mut self.factor[j * stride..][..padded];
-                column[..j].fill(0.0);
-                for (i, value) in column.iter_mut().enumerate().skip(j) {
-                    *value = self.inverse[i * stride + j];
-                }
+            let column = &mut self.factor[j * stride..][..padded];
+            column[..j].fill(0.0);
+            for (i, value) in column.iter_mut().enumerate().skip(j) {
+                *value = self.inverse[i * stride + j];
             }
         }
     }
@@ -151,16 +151,20 @@ impl DenseCholesky {
         if self.is_direct() {
             y.copy_from_slice(g);
         } else {
-            Arch::new().dispatch(Lower(self.triangle(&self.factor), g, y));
+            self.multiply_triangle(&self.factor, false, g, y);
         }
     }
 
     /// The second half, `x = L^-T y`, or the product with the inverse; both of padded length.
     pub fn solve_upper(&self, y: &[f64], x: &mut [f64]) {
         if self.is_direct() {
-            Arch::new().dispatch(Whole(self.triangle(&self.factor), y, x));
+            let (padded, stride) = (self.padded_order(), self.stride);
+            let inverse = &self.factor;
+            let inverse =
+                MatRef::from_column_major_slice_with_stride(inverse, padded, padded, stride);
+            multiply(inverse, y, x);
         } else {
-            Arch::new().dispatch(Upper(self.triangle(&self.inverse), y, x));
+            self.multiply_triangle(&self.inverse, true, y, x);
         }
     }
 
@@ -170,23 +174,24 @@ impl DenseCholesky {
         &self.factor[i * self.stride..][..self.padded_order()]
     }
 
-    /// Diagonal of the inverse.
-    pub fn inverse_diagonal(&self, out: &mut [f64]) {
-        for (i, out) in out.iter_mut().enumerate().take(self.order) {
-            let row = self.row(i);
-            *out = if self.is_direct() {
-                row[i]
-            } else {
-                dot(&row[i..], &row[i..])
-            };
+    /// Entry `i` of the diagonal of the inverse.
+    pub fn inverse_diagonal(&self, i: usize) -> f64 {
+        let row = self.row(i);
+        if self.is_direct() {
+            row[i]
+        } else {
+            dot(&row[i..], &row[i..])
         }
     }
 
-    fn triangle<'a>(&self, values: &'a [f64]) -> Triangle<'a> {
-        Triangle {
-            values,
+    fn multiply_triangle(&self, a: &[f64], is_upper: bool, x: &[f64], y: &mut [f64]) {
+        Arch::new().dispatch(TriangularProduct {
+            a,
             stride: self.stride,
-        }
+            is_upper,
+            x,
+            y,
+        });
     }
 }
 
@@ -197,42 +202,6 @@ fn stride(order: usize) -> usize {
         padded + 2 * BLOCK
     } else {
         padded
-    }
-}
-
-/// `y = A x`, A lower triangular.
-struct Lower<'a>(Triangle<'a>, &'a [f64], &'a mut [f64]);
-
-impl WithSimd for Lower<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        self.0.multiply_lower(simd, self.1, self.2);
-    }
-}
-
-/// `y = A x`, A upper triangular.
-struct Upper<'a>(Triangle<'a>, &'a [f64], &'a mut [f64]);
-
-impl WithSimd for Upper<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        self.0.multiply_upper(simd, self.1, self.2);
-    }
-}
-
-/// `y = A x`, A small.
-struct Whole<'a>(Triangle<'a>, &'a [f64], &'a mut [f64]);
-
-impl WithSimd for Whole<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        self.0.multiply_small(simd, self.1, self.2);
     }
 }
 
@@ -274,8 +243,7 @@ mod tests {
             let back = &a * faer::ColRef::from_slice(&x[..m]);
             assert!((0..m).all(|i| (back[i] - rhs[i]).abs() < 1e-12));
             assert!(x[m..].iter().all(|x| *x == 0.0));
-            let mut diagonal = vec![1.0; m];
-            cholesky.inverse_diagonal(&mut diagonal);
+            let diagonal: Vec<f64> = (0..m).map(|i| cholesky.inverse_diagonal(i)).collect();
             for (i, diagonal) in diagonal.iter().enumerate() {
                 let read = dot(cholesky.row(i), &half);
                 assert!((read - x[i]).abs() < 1e-12);
