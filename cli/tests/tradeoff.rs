@@ -49,7 +49,7 @@ fn the_table_the_csv_and_the_picture_tell_what_was_measured() {
     let shell = Shell::new();
     let options = [
         "--budget",
-        "4",
+        "10",
         "--csv",
         "made/here.csv",
         "--plots",

@@ -1,11 +1,11 @@
-//! The direction of a Newton step, from the inverse at a point of linearisation nearby.
+//! The direction of a Newton step, from a factor made at a point of linearisation nearby.
 //!
-//! The matrix wanted is `K = S + D` on the nodes that move, D the second variation of the friction potential there; the
-//! inverse at hand is `H = (S_FF + D_0)^-1` (see `linearisation`). Where D differs noticeably from D_0, and where a free
-//! node sticks, the difference is a sum of few terms `delta e e^T` (delta infinite for a node that sticks), and
+//! The matrix wanted is `K = S + D` on the nodes that move, D the second variation of the friction potential there; at hand is
+//! the factor of `K_0 = S_FF + D_0` (see `linearisation`). Where D differs noticeably from D_0, and where a free node sticks,
+//! the difference is a sum of few terms `delta e e^T` (delta infinite for a node that sticks), and
 //!
 //! ```text
-//! K^-1 g = H (g - E b),   (Delta^-1 + E^T H E) b = E^T H g                                  (Woodbury)
+//! K^-1 g = K_0^-1 (g - E b),   (Delta^-1 + E^T K_0^-1 E) b = E^T K_0^-1 g                (Woodbury; see `small`)
 //! ```
 //!
 //! The other differences are left to the iteration. The small matrix is factored as L D L^T with the positive deltas
@@ -13,16 +13,16 @@
 //! are dropped: the matrix is then above K, and the direction still descends. Too many terms, or a node that moves and is
 //! not free, call for another point of linearisation: the present one.
 //!
-//! A step `H rhs` also tells `S step = rhs - D_0 step` on the free nodes without a product with S.
+//! A step `K_0^-1 rhs` also tells `S step = rhs - D_0 step` on the free nodes without a product with S.
 
 use super::last::Last;
 use super::law::FrictionLaw;
-use super::linearisation::{Inverse, InverseCache, Linearisation};
+use super::linearisation::{Factor, FactorCache, Linearisation};
 use super::plane::{self, Motion, Seen};
 use super::problem::{ContactProblem, Point, norm};
 use super::second_variation::{NOTICEABLE, SecondVariation, term_capacity};
 use super::small::{SmallSystem, Term};
-use crate::linalg::{column, dot, multiply};
+use crate::linalg::{DenseCholesky, column, dot};
 use pulp::Simd;
 
 /// What is tried in turn until the matrix is positive definite: the share of the weakening of the bound, and whether nodes
@@ -36,7 +36,7 @@ const ATTEMPTS: [(f64, bool); 5] = [
     (0.0, true),
 ];
 /// Slow steps in a row for which the matrix is made anew even if nodes have changed between stick and slip meanwhile.
-pub const PATIENCE: u32 = 3;
+pub const PATIENCE: u32 = 8;
 
 /// Direction of a Newton step, and scratch to find it.
 pub struct Direction {
@@ -56,12 +56,14 @@ pub struct Direction {
     attempt: usize,
     /// Whether the point of linearisation is the present one.
     pub is_new: bool,
-    /// Inverses applied so far.
+    /// Solves so far.
     pub solves: u64,
     last: Last,
     /// How much every node differs from the point of linearisation; infinite where that is not known.
     differences: Vec<f64>,
     rhs: Vec<f64>,
+    /// Half-way through a solve.
+    half: Vec<f64>,
     solution: Vec<f64>,
     terms: Vec<Term>,
     small: SmallSystem,
@@ -69,7 +71,7 @@ pub struct Direction {
 
 impl Direction {
     pub fn new(nodes: usize, len: usize) -> Direction {
-        let most = term_capacity(nodes, len);
+        let (most, padded) = (term_capacity(nodes, len), DenseCholesky::padded(len));
         Direction {
             normal: vec![0.0; len],
             gradient: vec![0.0; len],
@@ -82,10 +84,11 @@ impl Direction {
             solves: 0,
             last: Last::new(len),
             differences: vec![0.0; nodes],
-            rhs: vec![0.0; len],
-            solution: vec![0.0; len],
+            rhs: vec![0.0; padded],
+            half: vec![0.0; padded],
+            solution: vec![0.0; padded],
             terms: Vec::with_capacity(most),
-            small: SmallSystem::new(most),
+            small: SmallSystem::new(most, padded),
         }
     }
 
@@ -98,7 +101,7 @@ impl Direction {
         problem: &ContactProblem<L>,
         point: &Point,
         at: &mut Linearisation,
-        cache: &mut InverseCache,
+        cache: &mut FactorCache,
         slow: u32,
     ) -> bool {
         (self.is_majorised, self.is_new) = (ATTEMPTS[self.attempt].0 < 1.0, false);
@@ -122,8 +125,8 @@ impl Direction {
         let mut moves = seen.moves;
         while moves {
             match cache.current().filter(|_| !wants_new) {
-                Some(inverse) if self.list_terms(simd, problem, point, inverse) => {
-                    self.solve(simd, problem, inverse);
+                Some(factor) if self.list_terms(simd, problem, point, factor) => {
+                    self.solve(simd, problem, factor);
                 }
                 _ => {
                     if !self.relinearise(problem, point, at, cache) {
@@ -169,7 +172,8 @@ impl Direction {
                 gradient[i] = y[i] + bound * normal[i];
             }
         }
-        self.last.compare(moves, &self.normal, &self.gradient)
+        self.last
+            .compare(problem.components, moves, &self.normal, &self.gradient)
     }
 
     fn moves<L: FrictionLaw>(&self, problem: &ContactProblem<L>, node: usize) -> bool {
@@ -183,10 +187,15 @@ impl Direction {
         problem: &ContactProblem<L>,
         point: &Point,
         at: &mut Linearisation,
-        cache: &mut InverseCache,
+        cache: &mut FactorCache,
     ) -> bool {
+        // again at the same point, with fewer nodes that move: what was indefinite with all of them is not tried again
+        let first = if self.is_new {
+            self.attempt
+        } else {
+            self.attempt.min(1)
+        };
         self.is_new = true;
-        let first = self.attempt.min(1);
         for (attempt, (weakening, frees_near)) in ATTEMPTS.into_iter().enumerate().skip(first) {
             self.attempt = attempt;
             self.is_majorised = weakening < 1.0;
@@ -212,13 +221,13 @@ impl Direction {
         simd: S,
         problem: &ContactProblem<L>,
         point: &Point,
-        inverse: &Inverse,
+        factor: &Factor,
     ) -> bool {
         self.terms.clear();
         if problem.components == 1 && !self.is_majorised {
             let (normal, slope) = (&self.normal, &point.law.slope);
             let differences = &mut self.differences;
-            let largest = plane::differences(simd, normal, slope, inverse, differences);
+            let largest = plane::differences(simd, normal, slope, factor, differences);
             // NaN is a difference
             if largest <= NOTICEABLE {
                 return true;
@@ -232,40 +241,46 @@ impl Direction {
             normal: &self.normal,
             weakening: ATTEMPTS[self.attempt].0,
         };
-        wanted.list_terms(inverse, &self.differences, &mut self.terms)
+        wanted.list_terms(factor, &self.differences, &mut self.terms)
     }
 
-    /// The step of the matrix wanted, from the inverse at hand, the terms and the last step.
+    /// The step of the matrix wanted, from the factor at hand, the terms and the last step.
     #[inline(always)]
     fn solve<S: Simd, L: FrictionLaw>(
         &mut self,
         simd: S,
         problem: &ContactProblem<L>,
-        inverse: &Inverse,
+        factor: &Factor,
     ) {
-        let (c, order) = (problem.components, inverse.order());
-        let (rhs, solution) = (&mut self.rhs[..order], &mut self.solution[..order]);
+        let (c, order) = (problem.components, factor.order());
+        let cholesky = &factor.cholesky;
+        let padded = cholesky.padded_order();
+        let (rhs, filling) = self.rhs[..padded].split_at_mut(order);
+        filling.fill(0.0);
         let share = self.last.share();
         let is_plain = c == 1 && order == self.step.len();
         if is_plain {
             plane::right_side(simd, share, &self.last.change, &self.gradient, rhs);
         } else {
-            for (rhs, component) in rhs.iter_mut().zip(&inverse.components) {
+            for (rhs, component) in rhs.iter_mut().zip(&factor.components) {
                 *rhs = share * self.last.change[*component] - self.gradient[*component];
             }
         }
-        if !self.terms.is_empty() && !self.small.apply(&self.terms, inverse, c, rhs) {
+        let (half, solution) = (&mut self.half[..padded], &mut self.solution[..padded]);
+        cholesky.solve_lower(&self.rhs[..padded], half);
+        let rhs = &mut self.rhs[..order];
+        if !self.terms.is_empty() && !self.small.apply(&self.terms, factor, c, rhs, half) {
             self.is_majorised = true;
         }
-        multiply(inverse.matrix(), rhs, solution);
+        cholesky.solve_upper(half, solution);
         self.solves += 1;
         self.has_forces = c == 1;
         let product = if is_plain {
-            let known = (&*solution, &*rhs, &*inverse.blocks);
+            let known = (&solution[..order], &*rhs, &*factor.blocks);
             let (step, forces) = (&mut self.step, &mut self.forces);
             plane::step_of_all(simd, known, &self.normal, &self.last.change, step, forces)
         } else {
-            self.scatter(problem, inverse)
+            self.scatter(problem, factor)
         };
         if let Some(factor) = self.last.correction(product) {
             plane::add(simd, factor, &self.last.step, &mut self.step);
@@ -276,9 +291,9 @@ impl Direction {
     /// The step, and its forces with one component, from the solution where not everything is free. Returns the product
     /// of the step with the last change of the gradient.
     #[inline(never)]
-    fn scatter<L: FrictionLaw>(&mut self, problem: &ContactProblem<L>, inverse: &Inverse) -> f64 {
+    fn scatter<L: FrictionLaw>(&mut self, problem: &ContactProblem<L>, factor: &Factor) -> f64 {
         self.step.fill(0.0);
-        for (value, component) in self.solution.iter().zip(&inverse.components) {
+        for (value, component) in self.solution.iter().zip(&factor.components) {
             // what sticks stays exactly at rest
             if self.normal[*component] != 0.0 || problem.components > 1 {
                 self.step[*component] = *value;
@@ -292,12 +307,12 @@ impl Direction {
             }
         } else {
             for (node, force) in self.forces.iter_mut().enumerate() {
-                if inverse.diagonal[node] == 0.0 {
+                if factor.yielding[node] == 0.0 {
                     *force = dot(column(problem.s, node), &self.step);
                 }
             }
-            for (rhs, component) in self.rhs.iter().zip(&inverse.components) {
-                let own = inverse.blocks[*component] * self.step[*component];
+            for (rhs, component) in self.rhs.iter().zip(&factor.components) {
+                let own = factor.blocks[*component] * self.step[*component];
                 self.forces[*component] = rhs - own;
             }
         }

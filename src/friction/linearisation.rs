@@ -1,14 +1,13 @@
-//! Where the Newton matrix of a step size was last factored, and its inverse there.
+//! Where the Newton matrix of a step size was last factored, and its factor there.
 //!
 //! The matrix is `K = S_FF + D` on the free nodes F, `D` block diagonal: the second variation of the friction potential at
 //! the point of linearisation. That point (theta_k, F and D) is part of the state of a simulation, because the directions
-//! of a Newton step, and so the last bits of its result, depend on it. The inverse is only a cache, keyed by the bits of
+//! of a Newton step, and so the last bits of its result, depend on it. The factor is only a cache, keyed by the bits of
 //! the point: a simulator that continues from a restored state makes it anew, to the same bits.
 
 use super::law::FrictionLaw;
 use super::problem::ContactProblem;
 use crate::linalg::{DenseCholesky, column};
-use faer::{MatMut, MatRef};
 
 /// Points kept, one per implicit weight: that of the start or of a jump, of the step, and of another step size.
 pub const POINTS: usize = 3;
@@ -80,7 +79,7 @@ impl<'a> Linearisation<'a> {
         }
     }
 
-    fn is_at(&self, other: &Inverse) -> bool {
+    fn is_at(&self, other: &Factor) -> bool {
         let same = |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits();
         other.is_made
             && same((&self.theta_k, &other.theta_k))
@@ -88,8 +87,8 @@ impl<'a> Linearisation<'a> {
     }
 }
 
-/// `(S_FF + D)^-1` at a point of linearisation.
-pub struct Inverse {
+/// `L L^T = S_FF + D` at a point of linearisation.
+pub struct Factor {
     is_made: bool,
     theta_k: f64,
     /// D, node by node; its first entry is infinite where the node is not free.
@@ -98,33 +97,27 @@ pub struct Inverse {
     places: Vec<usize>,
     /// Contact component of every row.
     pub components: Vec<usize>,
-    /// Diagonal of the inverse by contact component, zero where it is not free.
-    pub diagonal: Vec<f64>,
-    values: Vec<f64>,
+    /// How far every contact component gives way to a force on it, m/(N s): zero where it is not free.
+    pub yielding: Vec<f64>,
+    pub cholesky: DenseCholesky,
     last_use: u64,
-    /// Tells apart all inverses ever made here.
+    /// Tells apart all factors ever made here.
     pub version: u64,
 }
 
-impl Inverse {
-    fn new(nodes: usize, len: usize) -> Inverse {
-        Inverse {
+impl Factor {
+    fn new(nodes: usize, len: usize) -> Factor {
+        Factor {
             is_made: false,
             theta_k: 0.0,
             blocks: vec![CLAMPED; nodes * block_len(len / nodes)],
             places: vec![NOWHERE; nodes],
             components: Vec::with_capacity(len),
-            diagonal: vec![0.0; len],
-            values: vec![0.0; len * len],
+            yielding: vec![0.0; len],
+            cholesky: DenseCholesky::new(len),
             last_use: 0,
             version: 0,
         }
-    }
-
-    /// The inverse, column-major.
-    pub fn matrix(&self) -> MatRef<'_, f64> {
-        let order = self.order();
-        MatRef::from_column_major_slice(&self.values[..order * order], order, order)
     }
 
     /// Free components.
@@ -139,18 +132,7 @@ impl Inverse {
         (place != NOWHERE).then_some(place)
     }
 
-    /// Entry of the inverse.
-    #[inline(always)]
-    pub fn at(&self, i: usize, j: usize) -> f64 {
-        self.values[j * self.order() + i]
-    }
-
-    fn make<L: FrictionLaw>(
-        &mut self,
-        problem: &ContactProblem<L>,
-        point: &Linearisation,
-        cholesky: &mut DenseCholesky,
-    ) -> bool {
+    fn make<L: FrictionLaw>(&mut self, problem: &ContactProblem<L>, point: &Linearisation) -> bool {
         let c = problem.components;
         let len = block_len(c);
         self.is_made = false;
@@ -166,7 +148,7 @@ impl Inverse {
             };
         }
         let components = &self.components;
-        let is_definite = cholesky.factor(components.len(), |j, entries| {
+        self.is_made = self.cholesky.factor(components.len(), |j, entries| {
             let component = components[j];
             let s = column(problem.s, component);
             for (entry, row) in entries.iter_mut().zip(&components[j..]) {
@@ -182,39 +164,37 @@ impl Inverse {
                 entries[0] += block[2];
             }
         });
-        if is_definite {
-            let order = components.len();
-            let values = &mut self.values[..order * order];
-            cholesky.inverse(MatMut::from_column_major_slice_mut(values, order, order));
-            self.diagonal.fill(0.0);
+        if self.is_made {
+            self.cholesky.prepare_solves();
+            self.yielding.fill(0.0);
             for (row, component) in components.iter().enumerate() {
-                self.diagonal[*component] = values[row * order + row];
+                self.yielding[*component] = self.cholesky.inverse_diagonal(row);
             }
-            self.is_made = true;
         }
-        is_definite
+        self.is_made
     }
 }
 
-/// The inverses at the last few points; never changes a result.
-pub struct InverseCache {
-    inverses: Vec<Inverse>,
+/// The factors at the last few points; never changes a result.
+pub struct FactorCache {
+    factors: Vec<Factor>,
     current: Option<usize>,
-    cholesky: DenseCholesky,
     clock: u64,
+    /// Factorizations made so far.
+    pub factorizations: u64,
 }
 
-impl InverseCache {
-    pub fn new(nodes: usize, len: usize) -> InverseCache {
-        InverseCache {
-            inverses: (0..POINTS).map(|_| Inverse::new(nodes, len)).collect(),
+impl FactorCache {
+    pub fn new(nodes: usize, len: usize) -> FactorCache {
+        FactorCache {
+            factors: (0..POINTS).map(|_| Factor::new(nodes, len)).collect(),
             current: None,
-            cholesky: DenseCholesky::new(len),
+            factorizations: 0,
             clock: 0,
         }
     }
 
-    /// Makes sure of the inverse at a point; false when the matrix there is not positive definite.
+    /// Makes sure of the factor at a point; false when the matrix there is not positive definite.
     pub fn prepare<L: FrictionLaw>(
         &mut self,
         problem: &ContactProblem<L>,
@@ -222,33 +202,29 @@ impl InverseCache {
     ) -> bool {
         self.clock += 1;
         self.current = None;
-        let known = self.inverses.iter().position(|i| point.is_at(i));
+        let known = self.factors.iter().position(|f| point.is_at(f));
         let slot = match known {
             Some(slot) => slot,
             None => {
                 let oldest = (0..POINTS)
-                    .min_by_key(|&i| self.inverses[i].last_use)
+                    .min_by_key(|&i| self.factors[i].last_use)
                     .unwrap_or(0);
-                let inverse = &mut self.inverses[oldest];
-                if !inverse.make(problem, point, &mut self.cholesky) {
+                let factor = &mut self.factors[oldest];
+                self.factorizations += 1;
+                if !factor.make(problem, point) {
                     return false;
                 }
-                inverse.version = self.clock;
+                factor.version = self.clock;
                 oldest
             }
         };
-        self.inverses[slot].last_use = self.clock;
+        self.factors[slot].last_use = self.clock;
         self.current = Some(slot);
         true
     }
 
-    /// The inverse prepared last, if it could be.
-    pub fn current(&self) -> Option<&Inverse> {
-        self.current.map(|slot| &self.inverses[slot])
-    }
-
-    /// Factorizations made so far.
-    pub fn factorizations(&self) -> u64 {
-        self.cholesky.factorizations
+    /// The factor prepared last, if it could be.
+    pub fn current(&self) -> Option<&Factor> {
+        self.current.map(|slot| &self.factors[slot])
     }
 }

@@ -7,7 +7,7 @@
 //! K = S + omega [ g' n n^T + (g / |w|) (I - n n^T) ],   n = w / |w|;   in the plane S + diag(omega g')
 //! ```
 //!
-//! 1. The direction solves with K up to differences that hardly matter, from the inverse of K at an earlier point of the
+//! 1. The direction solves with K up to differences that hardly matter, from the factor of K at an earlier point of the
 //!    same step size, be it of an earlier step, and a small correction for the nodes that have changed since between stick
 //!    and slip or in slope (see `direction`, `linearisation`). So an iteration costs a few products of contact order. K is
 //!    factored anew, at the present point, when too much has changed or the residual falls slowly: then the step is a
@@ -24,7 +24,7 @@
 
 use super::direction::{Direction, PATIENCE};
 use super::law::FrictionLaw;
-use super::linearisation::{InverseCache, Linearisation};
+use super::linearisation::{FactorCache, Linearisation};
 use super::plane;
 use super::problem::{ContactProblem, Judgement, Point};
 use super::sweep::frozen_bound_sweep;
@@ -61,7 +61,7 @@ pub struct Workspace {
     accepted: Point,
     trial: Point,
     direction: Direction,
-    cache: InverseCache,
+    cache: FactorCache,
     /// Whether every point takes its own product with S: near rounding.
     is_careful: bool,
     /// Whether the trial point is the accepted one and a step, with nothing stopped in between.
@@ -71,9 +71,9 @@ pub struct Workspace {
 /// Work done so far by a simulator's default friction solver.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Work {
-    /// Matrices of the order of the slipping contact factored and inverted.
+    /// Matrices of the order of the slipping contact factored.
     pub factorizations: u64,
-    /// Solves with such an inverse.
+    /// Solves with such a factor.
     pub solves: u64,
 }
 
@@ -84,7 +84,7 @@ impl Workspace {
             accepted: Point::new(nodes, len),
             trial: Point::new(nodes, len),
             direction: Direction::new(nodes, len),
-            cache: InverseCache::new(nodes, len),
+            cache: FactorCache::new(nodes, len),
             is_careful: false,
             has_plain_trial: false,
         }
@@ -109,7 +109,7 @@ impl Workspace {
     /// Work done so far.
     pub fn work(&self) -> Work {
         Work {
-            factorizations: self.cache.factorizations(),
+            factorizations: self.cache.factorizations,
             solves: self.direction.solves,
         }
     }

@@ -1,7 +1,7 @@
 //! The loops over the contact that run at every iteration with one tangential component per node, vectorized: no branches,
 //! what differs between nodes that stick, slip and start is selected.
 
-use super::linearisation::Inverse;
+use super::linearisation::Factor;
 use super::problem::Point;
 use crate::linalg::lanes::{larger, map, visit};
 use pulp::Simd;
@@ -70,7 +70,7 @@ pub struct Motion<'a> {
 /// What a look at the motion finds.
 pub struct Seen {
     pub moves: bool,
-    /// The same nodes move as before.
+    /// The same nodes move as before, none of them back.
     pub is_same_set: bool,
     /// `step . change`.
     pub curvature: f64,
@@ -111,9 +111,8 @@ pub fn motion<S: Simd>(
             let gradient = simd.mul_add_e_f64s(bound, normal, y);
             let gradient = simd.select_f64s(sticks, zero, gradient);
             let change = simd.sub_f64s(gradient, last_gradient);
-            let stuck = simd.equal_f64s(last_normal, zero);
-            let flips = simd.xor_m64s(sticks, stuck);
-            changed = simd.select_f64s(flips, one, changed);
+            let is_same = simd.equal_f64s(normal, last_normal);
+            changed = simd.select_f64s(is_same, changed, one);
             moving = simd.select_f64s(sticks, moving, one);
             curvature = simd.mul_add_e_f64s(step, change, curvature);
             progress = simd.mul_add_e_f64s(step, gradient, progress);
@@ -135,21 +134,21 @@ pub fn differences<S: Simd>(
     simd: S,
     normal: &[f64],
     slope: &[f64],
-    inverse: &Inverse,
+    factor: &Factor,
     out: &mut [f64],
 ) -> f64 {
     let (zero, much) = (simd.splat_f64s(0.0), simd.splat_f64s(2.0));
     let mut largest = zero;
     map(
         simd,
-        [normal, slope, &inverse.blocks, &inverse.diagonal],
+        [normal, slope, &factor.blocks, &factor.yielding],
         [out],
         #[inline(always)]
-        |[normal, wanted, at_hand, diagonal]| {
+        |[normal, wanted, at_hand, yielding]| {
             let sticks = simd.equal_f64s(normal, zero);
-            let is_clamped = simd.equal_f64s(diagonal, zero);
+            let is_clamped = simd.equal_f64s(yielding, zero);
             let delta = simd.abs_f64s(simd.sub_f64s(wanted, at_hand));
-            let moving = simd.select_f64s(is_clamped, much, simd.mul_f64s(delta, diagonal));
+            let moving = simd.select_f64s(is_clamped, much, simd.mul_f64s(delta, yielding));
             let sticking = simd.select_f64s(is_clamped, zero, much);
             let share = simd.select_f64s(sticks, sticking, moving);
             largest = larger(simd, largest, share);

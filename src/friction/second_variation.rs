@@ -11,9 +11,9 @@
 //! sticks is a term with infinite delta.
 
 use super::law::FrictionLaw;
-use super::linearisation::{Inverse, Linearisation, block_len};
+use super::linearisation::{Factor, Linearisation, block_len};
 use super::problem::{ContactProblem, Point, norm};
-use super::small::{Term, entry, symmetric_terms};
+use super::small::{Term, symmetric_terms};
 
 /// A difference in curvature below this share of what the node resists with is left to the iteration.
 pub const NOTICEABLE: f64 = 0.03;
@@ -117,12 +117,7 @@ impl<L: FrictionLaw> SecondVariation<'_, '_, L> {
     /// The terms by which K differs from the matrix at hand at the nodes whose `differences` are noticeable; false when they
     /// are too many or a node moves that is not free.
     #[inline(never)]
-    pub fn list_terms(
-        &self,
-        inverse: &Inverse,
-        differences: &[f64],
-        terms: &mut Vec<Term>,
-    ) -> bool {
+    pub fn list_terms(&self, factor: &Factor, differences: &[f64], terms: &mut Vec<Term>) -> bool {
         let c = self.problem.components;
         let most = most_terms(self.point.w.len());
         terms.clear();
@@ -131,16 +126,17 @@ impl<L: FrictionLaw> SecondVariation<'_, '_, L> {
                 continue;
             }
             let moves = self.moves(node);
-            let Some(place) = inverse.place(node) else {
+            let Some(place) = factor.place(node) else {
                 if moves {
                     return false;
                 }
                 continue;
             };
             if moves {
-                for (delta, e) in self.differences(node, inverse) {
-                    let own = entry(inverse, c, (place, e), (place, e));
-                    if delta.abs() * own > NOTICEABLE {
+                let own = factor.yielding[self.problem.at(node)].iter();
+                let yielding = own.fold(0.0, |most: f64, y| y.max(most));
+                for (delta, e) in self.differences(node, factor) {
+                    if delta.abs() * yielding > NOTICEABLE {
                         let reciprocal = 1.0 / delta;
                         terms.push(Term {
                             place,
@@ -169,10 +165,10 @@ impl<L: FrictionLaw> SecondVariation<'_, '_, L> {
     }
 
     /// Difference in curvature of a free node as `delta e e^T` terms.
-    fn differences(&self, node: usize, inverse: &Inverse) -> [(f64, [f64; 2]); 2] {
+    fn differences(&self, node: usize, factor: &Factor) -> [(f64, [f64; 2]); 2] {
         let wanted = self.curvature(node);
         let len = block_len(self.problem.components);
-        let at_hand = &inverse.blocks[node * len..(node + 1) * len];
+        let at_hand = &factor.blocks[node * len..(node + 1) * len];
         if len == 1 {
             return [(wanted[0] - at_hand[0], [1.0, 0.0]), (0.0, [0.0; 2])];
         }

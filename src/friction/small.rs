@@ -1,31 +1,20 @@
-//! The few terms by which the matrix of a Newton step differs from the one whose inverse is at hand.
+//! The few terms by which the matrix of a Newton step differs from the one whose factor is at hand.
+//!
+//! With `K_0 = L L^T` at hand and `Y = L^-1 E`, half a solve with the terms e as right-hand sides, the matrix of the Woodbury
+//! formula is `Delta^-1 + Y^T Y`, and the forces of the terms are subtracted half-way through a solve: `L^-1 g - Y b`. Where a
+//! small matrix is inverted instead, the first half does nothing: `Delta^-1 + E^T (H E)` and `g - E b`.
 
-use super::linearisation::Inverse;
-use crate::linalg::{column, dot};
+use super::linearisation::Factor;
+use crate::linalg::dot;
 
 /// A term `delta e e^T` of the difference between the matrix wanted and the one at hand.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Term {
-    /// First row of the node in the inverse.
+    /// First row of the node in the factor.
     pub place: usize,
     pub e: [f64; 2],
     /// `1 / delta`; zero for a node that sticks.
     pub reciprocal: f64,
-}
-
-/// `e_i^T H e_j`.
-#[inline(always)]
-pub fn entry(
-    inverse: &Inverse,
-    c: usize,
-    (i, e): (usize, [f64; 2]),
-    (j, f): (usize, [f64; 2]),
-) -> f64 {
-    if c == 1 {
-        return inverse.at(i, j);
-    }
-    let column = |q: usize| e[0] * inverse.at(i, j + q) + e[1] * inverse.at(i + 1, j + q);
-    f[0] * column(0) + f[1] * column(1)
 }
 
 /// Eigenvalues and eigenvectors of the symmetric block xx, xy, yy.
@@ -46,71 +35,109 @@ pub fn symmetric_terms([xx, xy, yy]: [f64; 3]) -> [(f64, [f64; 2]); 2] {
     [(mean + radius, [x, y]), (mean - radius, [-y, x])]
 }
 
-/// `L D L^T` of `Delta^-1 + E^T H E`. What the terms have in common with the last ones is not factored again: most nodes that
+/// `L D L^T` of `Delta^-1 + Y^T Y`. What the terms have in common with the last ones is not factored again: most nodes that
 /// stick stick on.
 pub struct SmallSystem {
     stride: usize,
-    /// The terms factored, and of which inverse.
+    /// The terms factored, and with which factor.
     known: Vec<Term>,
     version: u64,
+    /// Columns of Y, or of H E, each as long as the largest factor: they read what the terms see from half a solve.
+    rows: Vec<f64>,
+    len: usize,
     /// L^T by columns.
     lower: Vec<f64>,
     /// D L^T by columns.
     scaled: Vec<f64>,
     pivots: Vec<f64>,
-    rhs: Vec<f64>,
+    forces: Vec<f64>,
     /// Terms that have been factored.
     order: usize,
 }
 
 impl SmallSystem {
-    pub fn new(stride: usize) -> SmallSystem {
+    /// For at most `stride` terms and factors of padded order `len`.
+    pub fn new(stride: usize, len: usize) -> SmallSystem {
         SmallSystem {
             stride,
             known: Vec::with_capacity(stride),
             version: 0,
+            rows: vec![0.0; stride * len],
+            len,
             lower: vec![0.0; stride * stride],
             scaled: vec![0.0; stride * stride],
             pivots: vec![0.0; stride],
-            rhs: vec![0.0; stride],
+            forces: vec![0.0; stride],
             order: 0,
         }
     }
 
-    /// Subtracts from `g` the forces of the terms on it. Whether all could be taken into account: see the pivots.
+    /// Subtracts the forces of the terms from the right-hand side `g` and from `half = L^-1 g`. Whether all could be taken into
+    /// account: see the pivots.
     #[inline(never)]
-    pub fn apply(&mut self, terms: &[Term], inverse: &Inverse, c: usize, g: &mut [f64]) -> bool {
-        let has_all = self.factor(terms, inverse, c);
-        let forces = self.solve(terms, inverse, c, g);
-        for (term, force) in terms.iter().zip(forces) {
+    pub fn apply(
+        &mut self,
+        terms: &[Term],
+        factor: &Factor,
+        c: usize,
+        g: &mut [f64],
+        half: &mut [f64],
+    ) -> bool {
+        let has_all = self.factor(terms, factor, c);
+        self.solve(half);
+        for (j, (term, force)) in terms.iter().zip(&self.forces[..self.order]).enumerate() {
             for p in 0..c {
                 g[term.place + p] -= force * term.e[p];
             }
+            if !factor.cholesky.is_direct() {
+                let own = self.rows[j * self.len..].iter();
+                for (half, y) in half.iter_mut().zip(own).skip(term.place) {
+                    *half -= force * y;
+                }
+            }
+        }
+        if factor.cholesky.is_direct() {
+            half[..g.len()].copy_from_slice(g);
         }
         has_all
     }
 
     /// Factors term by term, up to the first whose pivot has not the sign of its delta; whether there is none.
-    fn factor(&mut self, terms: &[Term], inverse: &Inverse, c: usize) -> bool {
+    fn factor(&mut self, terms: &[Term], factor: &Factor, c: usize) -> bool {
         let stride = self.stride;
-        if self.version != inverse.version {
-            (self.version, self.order) = (inverse.version, 0);
+        if self.version != factor.version {
+            (self.version, self.order) = (factor.version, 0);
         }
         let mut pairs = self.known[..self.order].iter().zip(terms);
         let common = pairs.position(|(a, b)| a != b);
         self.order = common.unwrap_or(self.order.min(terms.len()));
         self.known.clear();
         self.known.extend_from_slice(terms);
+        let (padded, is_direct) = (factor.cholesky.padded_order(), factor.cholesky.is_direct());
         for (j, term) in terms.iter().enumerate().skip(self.order) {
+            let (others, rest) = self.rows.split_at_mut(j * self.len);
+            let own = &mut rest[..padded];
+            own.fill(0.0);
+            for (p, e) in term.e[..c].iter().enumerate() {
+                let row = factor.cholesky.row(term.place + p).iter();
+                own.iter_mut().zip(row).for_each(|(own, y)| *own += e * y);
+            }
+            // what the term does to another, or to itself, whose row this is
+            let effect = |row: &[f64]| {
+                if is_direct {
+                    let seen = &row[term.place..term.place + c];
+                    seen.iter().zip(&term.e).map(|(y, e)| y * e).sum::<f64>()
+                } else {
+                    dot(&row[term.place..], &own[term.place..])
+                }
+            };
             let (done, rest) = self.lower.split_at_mut(j * stride);
             let (lower, scaled) = (&mut rest[..j], &mut self.scaled[j * stride..][..j]);
-            for (i, other) in terms[..j].iter().enumerate() {
-                let entry = entry(inverse, c, (other.place, other.e), (term.place, term.e));
-                scaled[i] = entry - dot(&done[i * stride..][..i], &scaled[..i]);
+            for (i, other) in others.chunks_exact(self.len).enumerate() {
+                scaled[i] = effect(other) - dot(&done[i * stride..][..i], &scaled[..i]);
                 lower[i] = scaled[i] / self.pivots[i];
             }
-            let own = entry(inverse, c, (term.place, term.e), (term.place, term.e));
-            let pivot = own + term.reciprocal - dot(lower, scaled);
+            let pivot = effect(own) + term.reciprocal - dot(lower, scaled);
             let is_as_expected = if term.reciprocal < 0.0 {
                 pivot < 0.0
             } else {
@@ -125,16 +152,12 @@ impl SmallSystem {
         true
     }
 
-    /// Forces of the factored terms on the right-hand side `g`.
-    fn solve(&mut self, terms: &[Term], inverse: &Inverse, c: usize, g: &[f64]) -> &[f64] {
+    /// Forces of the factored terms, from half a solve.
+    fn solve(&mut self, half: &[f64]) {
         let (stride, order) = (self.stride, self.order);
-        let x = &mut self.rhs[..order];
-        for j in 0..order {
-            let term = &terms[j];
-            let mut value = 0.0;
-            for p in 0..c {
-                value += term.e[p] * dot(column(inverse.matrix(), term.place + p), g);
-            }
+        let x = &mut self.forces[..order];
+        for (j, row) in self.rows.chunks_exact(self.len).take(order).enumerate() {
+            let value = dot(row, half);
             x[j] = value - dot(&self.lower[j * stride..][..j], &x[..j]);
         }
         for (x, pivot) in x.iter_mut().zip(&self.pivots) {
@@ -146,7 +169,6 @@ impl SmallSystem {
                 *x -= l * value;
             }
         }
-        x
     }
 }
 

@@ -4,6 +4,7 @@ mod cholesky;
 mod dense;
 mod double;
 mod elementary;
+mod factorization;
 mod gram;
 pub mod lanes;
 pub mod modal;
@@ -14,6 +15,7 @@ mod single;
 mod sparse;
 mod stored;
 mod tiles;
+mod triangle;
 
 pub use cholesky::DenseCholesky;
 pub use dense::{mirror_lower, pivoted_cholesky, symmetric_eigen, symmetric_eigenvalues};

@@ -9,16 +9,17 @@ pub const BLOCK: usize = 4;
 /// A block of the result: `R` vectors of rows by four columns.
 pub type Tile<V, const R: usize> = [[V; R]; BLOCK];
 
-/// `sum_k a_k b_k^T` over columns of `stride`, of the rows from `i` on of `a` and the four rows from `j` on of `b`.
+/// `start + sum_k a_k b_k^T` over columns of `stride`, of the rows from `i` on of `a` and the four rows from `j` on of `b`.
 #[inline(always)]
 pub fn products<S: Simd, const R: usize>(
     simd: S,
+    start: Tile<S::f64s, R>,
     (a, i): (&[f64], usize),
     (b, j): (&[f64], usize),
     stride: usize,
     columns: Range<usize>,
 ) -> Tile<S::f64s, R> {
-    let mut sums = [[simd.splat_f64s(0.0); R]; BLOCK];
+    let mut sums = start;
     let range = columns.start * stride..columns.end * stride;
     let a = a[range.clone()].chunks_exact(stride);
     for (a, b) in a.zip(b[range].chunks_exact(stride)) {
@@ -32,6 +33,30 @@ pub fn products<S: Simd, const R: usize>(
         }
     }
     sums
+}
+
+/// The block of `a` at row i and column j, minus another.
+#[inline(always)]
+pub fn difference<S: Simd, const R: usize>(
+    simd: S,
+    a: &[f64],
+    stride: usize,
+    at: (usize, usize),
+    other: &Tile<S::f64s, R>,
+) -> Tile<S::f64s, R> {
+    let mut tile = load::<S, R>(simd, a, stride, at);
+    for (tile, other) in tile.iter_mut().zip(other) {
+        for (value, other) in tile.iter_mut().zip(other) {
+            *value = simd.sub_f64s(*value, *other);
+        }
+    }
+    tile
+}
+
+/// A block of zeros.
+#[inline(always)]
+pub fn zero<S: Simd, const R: usize>(simd: S) -> Tile<S::f64s, R> {
+    [[simd.splat_f64s(0.0); R]; BLOCK]
 }
 
 #[inline(always)]
@@ -69,8 +94,7 @@ pub struct Corner {
 }
 
 impl Corner {
-    pub fn of(factor: &[f64], reciprocals: &[f64], j: usize) -> Corner {
-        let stride = reciprocals.len();
+    pub fn of(factor: &[f64], stride: usize, reciprocals: &[f64], j: usize) -> Corner {
         let mut corner = Corner {
             values: [[0.0; BLOCK]; BLOCK],
             reciprocals: [0.0; BLOCK],
@@ -84,19 +108,18 @@ impl Corner {
         corner
     }
 
-    /// `(a - sums) L_JJ^-T`.
+    /// `a L_JJ^-T`.
     #[inline(always)]
     pub fn solve<S: Simd, const R: usize>(
         &self,
         simd: S,
         a: &Tile<S::f64s, R>,
-        sums: &Tile<S::f64s, R>,
     ) -> Tile<S::f64s, R> {
         let mut x = *a;
         for q in 0..BLOCK {
             let reciprocal = simd.splat_f64s(self.reciprocals[q]);
             for p in 0..R {
-                let mut value = simd.sub_f64s(a[q][p], sums[q][p]);
+                let mut value = a[q][p];
                 for (x, l) in x[..q].iter().zip(&self.values) {
                     value = simd.mul_add_e_f64s(x[p], simd.splat_f64s(-l[q]), value);
                 }
@@ -107,12 +130,17 @@ impl Corner {
     }
 }
 
-/// Calls `$tile::<S, R>` for blocks of rows `$from..$to`, of two vectors and then of one.
+/// Runs the body for blocks of rows `$from..$to`, of three vectors (`$R`), then two, then one.
 macro_rules! for_rows {
     ($S:ident, $from:expr, $to:expr, |$i:ident, $R:ident| $body:block) => {
         // vectors must not reach from one block of rows into the next
         const { assert!(BLOCK.is_multiple_of($S::F64_LANES)) };
         let mut $i = $from;
+        while $i + 3 * $S::F64_LANES <= $to {
+            const $R: usize = 3;
+            $body
+            $i += 3 * $S::F64_LANES;
+        }
         while $i + 2 * $S::F64_LANES <= $to {
             const $R: usize = 2;
             $body

@@ -178,11 +178,31 @@ pub fn front<'a>(points: &'a [Point], quantities: &[Quantity]) -> Vec<&'a Point>
         .filter_map(|p| Some((p.figure(quantities)?, p)))
         .collect();
     known.sort_by(|a, b| a.1.cost().total_cmp(&b.1.cost()).then(a.0.total_cmp(&b.0)));
-    let mut least = f64::INFINITY;
-    known.retain(|(error, _)| {
-        let is_better = *error < WORTHWHILE * least;
-        least = least.min(*error);
-        is_better
-    });
+    let mut is_worthwhile = worthwhile();
+    known.retain(|(error, _)| is_worthwhile(*error));
     known.into_iter().map(|(_, point)| point).collect()
+}
+
+/// Whether an error, asked for by ascending cost, is worth its cost. What is not worth it does not count: many small gains add
+/// up to one that is.
+fn worthwhile() -> impl FnMut(f64) -> bool {
+    let mut least = f64::INFINITY;
+    move |error| {
+        let is_worthwhile = error < WORTHWHILE * least;
+        if is_worthwhile {
+            least = error;
+        }
+        is_worthwhile
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::worthwhile;
+
+    #[test]
+    fn small_gains_add_up() {
+        let kept = [1.0, 0.97, 0.94, 0.92, 0.5, 0.6].map(worthwhile());
+        assert_eq!(kept, [true, false, true, false, true, false]);
+    }
 }
