@@ -14,6 +14,7 @@ mod reordered;
 mod single;
 mod sparse;
 mod stored;
+mod substitution;
 mod tiles;
 mod triangle;
 

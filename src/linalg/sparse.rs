@@ -205,60 +205,21 @@ impl SparseCholesky {
         }
     }
 
-    /// Eliminates the interior from N loads at once, given row by row in the order of the factor.
-    pub fn eliminate_rows<const N: usize>(&self, factor: &[f64], y: &mut [[f64; N]]) {
-        let interior = self.interior();
-        self.for_columns(factor, false, |column, diagonal, same, pattern, below| {
-            // the load of a part of the boundary leaves most of the factor untouched
-            if column >= interior || y[column] == [0.0; N] {
-                return;
-            }
-            let pivot = y[column].map(|value| value / diagonal);
-            y[column] = pivot;
-            let (block, rest) = below.split_at(same);
-            let contiguous = &mut y[column + 1..column + 1 + same];
-            for (y, l) in contiguous.iter_mut().zip(block) {
-                subtract(y, *l, &pivot);
-            }
-            for (&row, l) in pattern.iter().zip(rest) {
-                subtract(&mut y[row], *l, &pivot);
-            }
-        });
-    }
-
-    /// Substitutes back from the trailing rows of `y`, N columns at once, in the order of the factor.
-    pub fn substitute_back_rows<const N: usize>(&self, factor: &[f64], y: &mut [[f64; N]]) {
-        let interior = self.interior();
-        self.for_columns(factor, true, |column, diagonal, same, pattern, below| {
-            if column >= interior {
-                return;
-            }
-            let (block, rest) = below.split_at(same);
-            let mut sum = y[column];
-            for (y, l) in y[column + 1..column + 1 + same].iter().zip(block) {
-                subtract(&mut sum, *l, y);
-            }
-            for (&row, l) in pattern.iter().zip(rest) {
-                subtract(&mut sum, *l, &y[row]);
-            }
-            y[column] = sum.map(|value| value / diagonal);
-        });
-    }
-
     /// Lower Cholesky factor of the condensed operator of the trailing dofs.
     pub fn trailing_factor(&self, factor: &[f64]) -> Mat<f64> {
         let interior = self.interior();
         let mut lower = Mat::<f64>::zeros(self.trailing, self.trailing);
-        self.for_columns(factor, false, |column, diagonal, same, pattern, below| {
-            let Some(j) = column.checked_sub(interior) else {
-                return;
-            };
-            lower[(j, j)] = diagonal;
-            let rows = (column + 1..column + 1 + same).chain(pattern.iter().copied());
-            for (row, l) in rows.zip(below) {
-                lower[(row - interior, j)] = *l;
+        let l = SupernodalLltRef::new(self.supernodes(), factor);
+        for at in 0..self.supernodes().n_supernodes() {
+            let node = l.supernode(at);
+            let (start, columns) = (node.start(), node.val().ncols());
+            for j in interior.saturating_sub(start)..columns {
+                let rows = (start + j..start + columns).chain(node.pattern().iter().copied());
+                for (row, l) in rows.zip(node.val().col(j).iter().skip(j)) {
+                    lower[(row - interior, start + j - interior)] = *l;
+                }
             }
-        });
+        }
         lower
     }
 
@@ -280,60 +241,17 @@ impl SparseCholesky {
         mirror_lower(out);
     }
 
-    fn supernodes(&self) -> &SymbolicSupernodalCholesky<usize> {
+    pub(super) fn supernodes(&self) -> &SymbolicSupernodalCholesky<usize> {
         let SymbolicCholeskyRaw::Supernodal(symbolic) = self.symbolic.raw() else {
             unreachable!("the supernodal layout is forced in `with_order`");
         };
         symbolic
     }
 
-    fn interior(&self) -> usize {
+    /// Dofs before the trailing ones.
+    pub(super) fn interior(&self) -> usize {
         self.order.len() - self.trailing
     }
-
-    /// Calls `visit(column, diagonal, same, pattern, below)` for every column: of the entries `below` the diagonal the
-    /// first `same` stand in the rows that follow directly, the others in the rows of `pattern`.
-    fn for_columns(
-        &self,
-        factor: &[f64],
-        is_reversed: bool,
-        mut visit: impl FnMut(usize, f64, usize, &[usize], &[f64]),
-    ) {
-        let l = SupernodalLltRef::new(self.supernodes(), factor);
-        let count = self.supernodes().n_supernodes();
-        for at in 0..count {
-            let node = l.supernode(if is_reversed { count - 1 - at } else { at });
-            let columns = node.val().ncols();
-            for at in 0..columns {
-                let j = if is_reversed { columns - 1 - at } else { at };
-                let values = column_slice(node.val(), j);
-                visit(
-                    node.start() + j,
-                    values[j],
-                    columns - 1 - j,
-                    node.pattern(),
-                    &values[j + 1..],
-                );
-            }
-        }
-    }
-}
-
-/// `to -= factor * from`.
-#[inline(always)]
-fn subtract<const N: usize>(to: &mut [f64; N], factor: f64, from: &[f64; N]) {
-    for (to, from) in to.iter_mut().zip(from) {
-        *to -= factor * from;
-    }
-}
-
-/// A column of a column-major block as a slice.
-fn column_slice(block: faer::MatRef<'_, f64>, j: usize) -> &[f64] {
-    // the blocks of a factor are column-major by construction; an empty slice would be a change in faer's layout
-    block
-        .col(j)
-        .try_as_col_major()
-        .map_or(&[], |c| c.as_slice())
 }
 
 fn pattern<'a>(col_ptr: &'a [usize], row_idx: &'a [usize]) -> SymbolicSparseColMatRef<'a, usize> {

@@ -6,19 +6,20 @@
 //! not with its energy. There are few of these forces, so their responses `(M^-1 A)^j M^-1 f`, M the operator of the middle
 //! sample, are computed as fields, each made orthonormal in A to those before it as soon as it is there.
 //!
-//! With the fields Q, `M^-1 A Q = Q T + Z`, where Z has columns for the last responses alone, and the operator of a
-//! shift `K = alpha M + beta A`, their products with the responses to the ports need few substitutions:
+//! Let `A Q_1 = M Q T` for all fields Q but the last responses, `Q = [Q_1 Q_2]`, with `M = c A + d B`. Their products with the
+//! responses to the ports at a shift `K = alpha M + beta A` then need substitutions for the few fields of Q_2 alone:
 //!
 //! ```text
-//! P^T K^-1 A Q = (P^T Q T + alpha P^T K^-1 M Z) (alpha + beta T)^-1
+//! alpha P^T K^-1 A Q_1 + beta P^T K^-1 A Q T = P^T Q T
 //! ```
 
 use super::shifts::shift;
 use super::transfer::{Sample, Sampler};
+use faer::linalg::matmul::matmul;
 use faer::linalg::solvers::Solve;
-use faer::{Mat, MatRef, Scale};
+use faer::reborrow::{Reborrow, ReborrowMut};
+use faer::{Accum, Mat, MatMut, MatRef, Par, Scale};
 use std::f64::consts::FRAC_PI_2;
-use std::ops::SubAssign;
 
 /// A response is dropped when this share of it is all that the others do not hold.
 const DEPENDENT: f64 = 1e-11;
@@ -49,55 +50,43 @@ pub struct Fields {
     pub seen: Mat<f64>,
     /// Angle of the operator M.
     angle: f64,
-    /// T: k x k.
+    /// T: k x first, as many columns as fields in Q_1.
     recurrence: Mat<f64>,
-    /// M Z without its columns that are 0: n x last.
-    rest: Mat<f64>,
+    /// A Q_2: n x (k - first).
+    last_images: Mat<f64>,
 }
 
 impl Fields {
     /// `depth` responses to each of the `forces` (n x count, by dofs), with the operator of the last `sample`.
     pub fn new(sampler: &mut Sampler, sample: &Sample, forces: Mat<f64>, depth: usize) -> Fields {
         let angle = sampler.angle();
-        let operators = [0.0, FRAC_PI_2, angle].map(|angle| sampler.operator(angle));
-        let [viscosity, elasticity, middle] = &operators;
-        let (n, most) = (forces.nrows(), depth * forces.ncols());
-        let mut basis = Basis {
-            fields: Mat::with_capacity(n, most),
-            images: Mat::with_capacity(n, most),
-        };
-        basis.fields.resize_with(n, 0, |_, _| 0.0);
-        basis.images.resize_with(n, 0, |_, _| 0.0);
+        let [viscosity, elasticity] = [0.0, FRAC_PI_2].map(|angle| sampler.operator(angle));
+        let most = depth * forces.ncols();
+        let mut basis = Basis::new(forces.nrows(), most);
         let mut recurrence = Mat::<f64>::zeros(most, most);
+        // the latest fields
+        let (mut from, mut to) = (0, 0);
         let mut latest = forces;
-        for level in 0..=depth {
-            // from A Q to M^-1 A Q, the columns of Q that are the latest
+        for _ in 0..depth {
             sampler.respond(&sample.lower, latest.as_mut());
-            let (to, responses) = (basis.fields.ncols(), latest.clone());
-            if level < depth {
-                basis.add(latest, |x| sampler.apply(viscosity, x));
-                latest = basis.images.get(.., to..).to_owned();
-            }
-            if level > 0 {
-                let shares = basis.images.transpose() * &responses;
-                let from = to - responses.ncols();
-                let mut block = recurrence.get_mut(..shares.nrows(), from..to);
-                block.copy_from(shares);
-            }
+            basis.add(latest.clone(), |x| sampler.apply(&viscosity, x));
+            let shares = basis.images().transpose() * latest.get(.., ..to - from);
+            recurrence
+                .get_mut(..shares.nrows(), from..to)
+                .copy_from(shares);
+            (from, to) = (to, basis.len);
+            latest = basis.images().get(.., from..).to_owned();
         }
-        let Basis { fields, images } = basis;
-        let (k, last) = (fields.ncols(), fields.ncols() - latest.ncols());
-        let recurrence = recurrence.get(..k, ..k).to_owned();
-        let of_last = &fields * recurrence.get(.., last..);
-        let rest = images.get(.., last..) - sampler.apply(middle, of_last.as_ref());
-        let stiff = fields.transpose() * sampler.apply(elasticity, fields.as_ref());
+        let fields = basis.into_fields();
+        let recurrence = recurrence.get(..to, ..from).to_owned();
+        let stiff = fields.transpose() * sampler.apply(&elasticity, fields.as_ref());
         Fields {
             elasticity: stiff,
             seen: sampler.ports().observe(fields.as_ref()),
             fields,
             angle,
             recurrence,
-            rest,
+            last_images: latest,
         }
     }
 
@@ -111,65 +100,91 @@ impl Fields {
         let ((c, d), (ci, di)) = (shift(self.angle), shift(sampler.angle()));
         let alpha = di / d;
         let beta = ci - c * alpha;
-        let k = self.len();
-        let mut sum = &self.seen * &self.recurrence;
-        let of_rest = sampler.observe_responses(sample, self.rest.as_ref());
-        let last = k - of_rest.ncols();
-        let mut of_last = sum.as_mut().subcols_mut(last, k - last);
-        of_last += Scale(alpha) * of_rest;
-        let pair = Mat::from_fn(k, k, |i, j| {
+        let last = sampler.observe_responses(sample, self.last_images.as_ref());
+        let first = self.recurrence.ncols();
+        let (own, others) = self.recurrence.split_at_row(first);
+        let known = &self.seen * &self.recurrence - Scale(beta) * (&last * others);
+        let pair = Mat::from_fn(first, first, |i, j| {
             let same = if i == j { alpha } else { 0.0 };
-            same + beta * self.recurrence[(i, j)]
+            same + beta * own[(j, i)]
         });
-        let transposed = pair.transpose().partial_piv_lu().solve(sum.transpose());
-        transposed.transpose().to_owned()
+        let of_first = pair.partial_piv_lu().solve(known.transpose());
+        Mat::from_fn(last.nrows(), self.len(), |i, j| {
+            match j.checked_sub(first) {
+                None => of_first[(j, i)],
+                Some(at) => last[(i, at)],
+            }
+        })
     }
 }
 
-/// Orthonormal fields, and A times them.
+/// Orthonormal fields, and A times them: n x len, in memory for more.
 struct Basis {
     fields: Mat<f64>,
     images: Mat<f64>,
+    len: usize,
 }
 
 impl Basis {
+    fn new(rows: usize, most: usize) -> Basis {
+        Basis {
+            fields: Mat::zeros(rows, most),
+            images: Mat::zeros(rows, most),
+            len: 0,
+        }
+    }
+
+    fn images(&self) -> MatRef<'_, f64> {
+        self.images.get(.., ..self.len)
+    }
+
+    fn into_fields(mut self) -> Mat<f64> {
+        let n = self.fields.nrows();
+        self.fields.resize_with(n, self.len, |_, _| 0.0);
+        self.fields
+    }
+
     /// Adds what each of `block` has that the others have not, unless that is nothing.
-    fn add(&mut self, mut block: Mat<f64>, viscosity: impl Fn(MatRef<f64>) -> Mat<f64>) {
+    fn add(&mut self, mut block: Mat<f64>, viscosity: impl FnOnce(MatRef<f64>) -> Mat<f64>) {
         let mut held = vec![0.0; block.ncols()];
         // the second time for the rounding of the first
         for _ in 0..2 {
-            let shares = self.images.transpose() * &block;
-            block -= &self.fields * &shares;
+            let shares = self.images().transpose() * &block;
+            subtract(block.as_mut(), self.fields.get(.., ..self.len), &shares);
             for (held, shares) in held.iter_mut().zip(shares.col_iter()) {
                 *held += shares.squared_norm_l2();
             }
         }
         let mut images = viscosity(block.as_ref());
-        let first = self.fields.ncols();
-        for (j, held) in held.into_iter().enumerate() {
-            let mut held = held;
+        let first = self.len;
+        for (j, mut held) in held.into_iter().enumerate() {
+            let mut own = block.get_mut(.., j..j + 1);
+            let mut image = images.get_mut(.., j..j + 1);
+            let known = (
+                self.fields.get(.., first..self.len),
+                self.images.get(.., first..self.len),
+            );
             for _ in 0..2 {
-                let (fields, known) = (self.fields.get(.., first..), self.images.get(.., first..));
-                let shares = known.transpose() * block.col(j);
-                block.col_mut(j).sub_assign(fields * &shares);
-                images.col_mut(j).sub_assign(known * &shares);
+                let shares = known.1.transpose() * &own;
+                subtract(own.rb_mut(), known.0, &shares);
+                subtract(image.rb_mut(), known.1, &shares);
                 held += shares.squared_norm_l2();
             }
-            let own = (block.col(j).transpose() * images.col(j)).max(0.0).sqrt();
-            if own > DEPENDENT * held.sqrt() {
-                let unit = Scale(1.0 / own);
-                append(&mut self.fields, (block.col(j) * unit).as_mat());
-                append(&mut self.images, (images.col(j) * unit).as_mat());
+            let (own, image) = (own.rb().col(0), image.rb().col(0));
+            let length = (own.transpose() * image).max(0.0).sqrt();
+            if length > DEPENDENT * held.sqrt() {
+                let unit = Scale(1.0 / length);
+                self.fields.col_mut(self.len).copy_from(own * unit);
+                self.images.col_mut(self.len).copy_from(image * unit);
+                self.len += 1;
             }
         }
     }
 }
 
-/// Appends columns.
-fn append(to: &mut Mat<f64>, columns: MatRef<f64>) {
-    let from = to.ncols();
-    let all = from + columns.ncols();
-    to.resize_with(to.nrows(), all, |i, j| columns[(i, j - from)]);
+/// `to -= basis * shares`.
+fn subtract(to: MatMut<f64>, basis: MatRef<f64>, shares: &Mat<f64>) {
+    matmul(to, Accum::Add, basis, shares, -1.0, Par::Seq);
 }
 
 #[cfg(test)]

@@ -151,13 +151,13 @@ impl<'a> Sampler<'a> {
     }
 
     /// An operator with the given values times the columns of `x` (by dofs).
-    pub fn apply(&self, operator: &[f64], x: MatRef<f64>) -> Mat<f64> {
+    pub fn apply(&mut self, operator: &[f64], x: MatRef<f64>) -> Mat<f64> {
         let mut out = Mat::zeros(x.nrows(), x.ncols());
-        let (mut from, mut to) = (self.by_dofs.clone(), self.by_dofs.clone());
         for j in (0..x.ncols()).step_by(WIDTH) {
-            set_columns(&mut from, x, j);
-            self.operators.apply_rows(operator, &from, &mut to);
-            get_columns(&to, out.as_mut(), j);
+            set_columns(&mut self.by_dofs, x, j);
+            self.operators
+                .apply_rows(operator, &self.by_dofs, &mut self.rows);
+            get_columns(&self.rows, out.as_mut(), j);
         }
         out
     }
