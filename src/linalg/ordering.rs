@@ -1,8 +1,9 @@
 //! Order of elimination by nested dissection of a mesh: halves first, what separates them last.
 //!
-//! A set of nodes is cut at its median along an axis; the nodes of one half that touch the other separate them. On a mesh this needs fewer operations than a minimum degree ordering, the more so in space. George, SIAM J. Numer. Anal. 10
-//! (1973). The separator is the smallest one among the axes and the cuts directly before and after the median: it cuts
-//! the longest side, and on a layered mesh it is a single layer.
+//! A set of nodes is cut at its median along an axis; the nodes of one half that touch the other separate them. On a mesh this
+//! needs fewer operations than a minimum degree ordering, the more so in space. George, SIAM J. Numer. Anal. 10 (1973). The
+//! separator is the smallest one among the axes and the cuts directly before and after the median: it cuts the longest side,
+//! and on a layered mesh it is a single layer.
 
 /// Sets of at most this many nodes are no longer cut. They become dense blocks of the factor; smaller ones cost more in handling
 /// than in arithmetic.

@@ -1,7 +1,7 @@
 //! Substitutions with a supernodal factor whose last dofs are left out, several right-hand sides at once.
 //!
-//! A pass moves the factor through the memory once, whatever the number of right-hand sides, and COLUMNS of it at a time through the
-//! rows of the right-hand sides: these are read and written once per COLUMNS.
+//! A pass moves the factor through the memory once, whatever the number of right-hand sides, and COLUMNS of it at a time
+//! through the rows of the right-hand sides: these are read and written once per COLUMNS.
 
 use super::sparse::SparseCholesky;
 use faer::MatRef;

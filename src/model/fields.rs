@@ -23,6 +23,8 @@ use std::f64::consts::FRAC_PI_2;
 
 /// A response is dropped when this share of it is all that the others do not hold.
 const DEPENDENT: f64 = 1e-11;
+/// A response that loses more than this share of its energy to the others of its block is made orthogonal to all fields again.
+const SHRUNK: f64 = 1e-2;
 /// Share of the tolerance that the energy of what is missed of a response may have.
 const SHARE: f64 = 0.5;
 /// Most responses to a force.
@@ -145,7 +147,7 @@ impl Basis {
     }
 
     /// Adds what each of `block` has that the others have not, unless that is nothing.
-    fn add(&mut self, mut block: Mat<f64>, viscosity: impl FnOnce(MatRef<f64>) -> Mat<f64>) {
+    fn add(&mut self, mut block: Mat<f64>, mut viscosity: impl FnMut(MatRef<f64>) -> Mat<f64>) {
         let mut held = vec![0.0; block.ncols()];
         // the second time for the rounding of the first
         for _ in 0..2 {
@@ -160,26 +162,41 @@ impl Basis {
         for (j, mut held) in held.into_iter().enumerate() {
             let mut own = block.get_mut(.., j..j + 1);
             let mut image = images.get_mut(.., j..j + 1);
-            let known = (
-                self.fields.get(.., first..self.len),
-                self.images.get(.., first..self.len),
-            );
-            for _ in 0..2 {
-                let shares = known.1.transpose() * &own;
-                subtract(own.rb_mut(), known.0, &shares);
-                subtract(image.rb_mut(), known.1, &shares);
-                held += shares.squared_norm_l2();
+            let before = energy(own.rb(), image.rb());
+            held += self.remove(first, own.rb_mut(), image.rb_mut());
+            if energy(own.rb(), image.rb()) < SHRUNK * before {
+                // what is left has lost as many digits against all others, and in its image
+                image.copy_from(viscosity(own.rb()));
+                self.remove(0, own.rb_mut(), image.rb_mut());
+                image.copy_from(viscosity(own.rb()));
             }
-            let (own, image) = (own.rb().col(0), image.rb().col(0));
-            let length = (own.transpose() * image).max(0.0).sqrt();
+            held += self.remove(first, own.rb_mut(), image.rb_mut());
+            let length = energy(own.rb(), image.rb()).sqrt();
             if length > DEPENDENT * held.sqrt() {
                 let unit = Scale(1.0 / length);
-                self.fields.col_mut(self.len).copy_from(own * unit);
-                self.images.col_mut(self.len).copy_from(image * unit);
+                let at = self.len..self.len + 1;
+                self.fields
+                    .get_mut(.., at.clone())
+                    .copy_from(own.rb() * unit);
+                self.images.get_mut(.., at).copy_from(image.rb() * unit);
                 self.len += 1;
             }
         }
     }
+
+    /// Takes the fields from `first` on out of a column and its image; returns the energy that they held.
+    fn remove(&self, first: usize, mut own: MatMut<f64>, image: MatMut<f64>) -> f64 {
+        let images = self.images.get(.., first..self.len);
+        let shares = images.transpose() * &own;
+        subtract(own.rb_mut(), self.fields.get(.., first..self.len), &shares);
+        subtract(image, images, &shares);
+        shares.squared_norm_l2()
+    }
+}
+
+/// Energy of a column, from its image.
+fn energy(own: MatRef<f64>, image: MatRef<f64>) -> f64 {
+    (own.col(0).transpose() * image.col(0)).max(0.0)
 }
 
 /// `to -= basis * shares`.

@@ -1,11 +1,11 @@
-//! Galerkin projection of the body on a few fields and on the responses to its ports at a few shifts (see `responses`), the latter
-//! from samples of the transfer matrix alone.
+//! Galerkin projection of the body on a few fields and on the responses to its ports at a few shifts (see `responses`), the
+//! latter from samples of the transfer matrix alone.
 //!
-//! Ports are comparable in energy (see `scaling`), so that contact forces of every wavelength count alike. The fields come first.
-//! A Cholesky factorization with pivoting of the Gram matrix `X^T A X` then orders the responses by what each adds to the fields and
-//! the responses before it: the first r of them are kept, made orthonormal in A by the factor, and the pair is diagonalised: `A = I`, `B = diag(rates)`.
-//! Close to rounding, where responses of their own are hardly more than noise, the singular vectors of the factor order
-//! combinations of them instead (those of the Gram matrix, at a multiple of the cost).
+//! Ports are comparable in energy (see `scaling`), so that contact forces of every wavelength count alike. The fields come
+//! first. A Cholesky factorization with pivoting of the Gram matrix `X^T A X` then orders the responses by what each adds to
+//! the fields and the responses before it: the first r of them are kept, made orthonormal in A by the factor, and the pair is
+//! diagonalised: `A = I`, `B = diag(rates)`. Close to rounding, where responses of their own are hardly more than noise, the
+//! singular vectors of the factor order combinations of them instead (those of the Gram matrix, at a multiple of the cost).
 
 use super::responses::Responses;
 use super::samples::Sampled;

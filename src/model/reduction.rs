@@ -2,9 +2,9 @@
 //!
 //! Galerkin projection on `span{ (c_i A + d_i B)^-1 P }` over a few shifts (see `galerkin`), which are known beforehand from
 //! the interval of rates (see `shifts`), from samples of the transfer matrix (see `transfer`): a basis of the length of the
-//! body is formed for a few forces alone, where the samples are not sharp enough (see `fields`). The result is then judged at the samples that are not shifts (see `samples`). Projection keeps the
-//! rates between the extreme eigenvalues of `A^-1 B`, which the element rates bound: a rate outside that matters is an error
-//! upstream.
+//! body is formed for a few forces alone, where the samples are not sharp enough (see `fields`). The result is then judged at
+//! the samples that are not shifts (see `samples`). Projection keeps the rates between the extreme eigenvalues of `A^-1 B`,
+//! which the element rates bound: a rate outside that matters is an error upstream.
 
 use super::fields;
 use super::galerkin::{Modes, Projection};

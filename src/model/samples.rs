@@ -26,7 +26,8 @@ pub struct Sampled<'a> {
     pub transfer: Vec<Mat<f64>>,
     /// Its derivative by the angle at the shifts.
     pub derivatives: Vec<Mat<f64>>,
-    /// Responses to loads and smooth contact forces, and their products in A with those to the ports at the shifts: ports x fields.
+    /// Responses to loads and smooth contact forces, and their products in A with those to the ports at the shifts: ports x
+    /// fields.
     pub fields: Fields,
     pub couplings: Vec<Mat<f64>>,
     /// Brings the smooth contact forces whose responses are fields to the first ports.

@@ -1,8 +1,8 @@
 //! Ports made comparable in energy: unit forces at them store about as much at the middle sample.
 //!
-//! With the trailing factor of the middle sample, `S_mid = L_mid L_mid^T`, contact forces are counted in `T = L_mid^-T` and other
-//! ports in the root t of their own response, divided by a weight. A sample in these units is a product, so that it is symmetric, positive and
-//! as sharp as its factor, without any inverse:
+//! With the trailing factor of the middle sample, `S_mid = L_mid L_mid^T`, contact forces are counted in `T = L_mid^-T` and
+//! other ports in the root t of their own response, divided by a weight. A sample in these units is a product, so that it is
+//! symmetric, positive and as sharp as its factor, without any inverse:
 //!
 //! ```text
 //! Z = L^-1 L_mid,   q_j = L^-1 r_j / t_j,   H = [Z q]^T [Z q] + diag(0, y_j . y_k / (t_j t_k))
@@ -21,7 +21,8 @@ use crate::linalg::mirror_lower;
 pub struct Scaling {
     /// Trailing factor of the middle sample.
     lower: Mat<f64>,
-    /// Roots of the own responses of the ports that follow the contact (1 for a port that does nothing), divided by their weights.
+    /// Roots of the own responses of the ports that follow the contact (1 for a port that does nothing), divided by their
+    /// weights.
     others: Vec<f64>,
 }
 
@@ -86,8 +87,8 @@ impl Scaling {
         }
     }
 
-    /// Up to `count` orthonormal directions (contact x count) of scaled contact forces that move the contact most for their energy: the
-    /// smoothest ones.
+    /// Up to `count` orthonormal directions (contact x count) of scaled contact forces that move the contact most for their
+    /// energy: the smoothest ones.
     pub fn smooth_directions(&self, count: usize) -> Mat<f64> {
         let contact = self.contact_len();
         let count = count.min(contact);
