@@ -1,5 +1,6 @@
 //! What a step leaves behind: displacement and slip from the velocities of its stages, energies, the recorded past.
 
+use crate::linalg::{add_scaled, dot};
 use crate::model::Model;
 use crate::qvi::{Stage, Tableau};
 use crate::state::{State, energy};
@@ -73,6 +74,7 @@ pub(crate) fn add_energies(model: &Model, state: &mut State, ws: &mut Workspace,
     mean.set_mean(tableau, velocities);
     let (viscous, _) = model.body().products(&mean.body);
     let (_, elastic) = model.body().products(&state.displacement);
+    // the outputs begin with the loads
     state.energy[energy::EXTERNAL_WORK] += k * dot(&mean.load, &mean.outputs);
     state.energy[energy::VISCOUS] += k * viscous;
     state.energy[energy::FRICTION] += k * dot(&mean.force, &mean.contact);
@@ -97,13 +99,4 @@ pub(crate) fn record(model: &Model, state: &mut State) {
         *stress = contact.stress(i, state.force[i]);
     }
     state.recorded += 1;
-}
-
-fn add_scaled(to: &mut [f64], factor: f64, from: &[f64]) {
-    to.iter_mut().zip(from).for_each(|(t, f)| *t += factor * f);
-}
-
-/// Over the shorter of the two: the outputs begin with the loads.
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

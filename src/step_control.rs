@@ -33,8 +33,8 @@
 //! A pair whose friction does not converge counts as one with too large an error.
 
 use crate::error::{Error, Result};
+use crate::linalg::dot;
 use crate::model::Model;
-use crate::record::dot;
 use crate::scene::Start;
 use crate::state::{State, control};
 use crate::step_sizes::Part;

@@ -3,6 +3,7 @@
 use crate::friction::fixed_point::FixedPointWorkspace;
 use crate::friction::multiplicity::MultiplicityWorkspace;
 use crate::friction::newton;
+use crate::linalg::add_scaled;
 use crate::model::{Model, Scratch, StageCache};
 use crate::qvi::{MAX_STAGES, Tableau};
 use crate::state::State;
@@ -88,11 +89,11 @@ impl Velocity {
                 &velocity.load,
             ];
             for (to, from) in self.parts().into_iter().zip(others) {
-                let pairs = to.iter_mut().zip(from);
                 if j == 0 {
-                    pairs.for_each(|(t, f)| *t = weight * f);
-                } else {
-                    pairs.for_each(|(t, f)| *t += weight * f);
+                    to.fill(0.0);
+                }
+                if weight != 0.0 {
+                    add_scaled(to, weight, from);
                 }
             }
         }

@@ -22,7 +22,8 @@ use super::plane::{self, Motion, Seen};
 use super::problem::{ContactProblem, Point, norm};
 use super::second_variation::{NOTICEABLE, SecondVariation, term_capacity};
 use super::small::{SmallSystem, Term};
-use crate::linalg::{DenseCholesky, column, dot};
+use crate::linalg::lanes::add_scaled;
+use crate::linalg::{DenseCholesky, column, dot, multiply};
 use pulp::Simd;
 
 /// What is tried in turn until the matrix is positive definite: the share of the weakening of the bound, and whether nodes
@@ -35,6 +36,8 @@ const ATTEMPTS: [(f64, bool); 5] = [
     (0.8, false),
     (0.0, true),
 ];
+/// Nodes up to which one product with S costs less than a dot product for every node that is not free.
+const SMALL: usize = 64;
 /// Slow steps in a row for which the matrix is made anew even if nodes have changed between stick and slip meanwhile.
 pub const PATIENCE: u32 = 8;
 
@@ -136,7 +139,7 @@ impl Direction {
                     continue;
                 }
             }
-            if !self.drop_false_starts(problem, point) {
+            if !seen.starts || !self.drop_false_starts(problem, point) {
                 return true;
             }
             self.last.forget();
@@ -152,7 +155,7 @@ impl Direction {
         problem: &ContactProblem<L>,
         point: &Point,
     ) -> Seen {
-        let mut moves = false;
+        let (mut moves, mut starts) = (false, false);
         for node in 0..problem.nodes() {
             let (rate, bound) = (point.rates[node], point.law.bound[node]);
             let at = problem.at(node);
@@ -165,6 +168,7 @@ impl Direction {
                 continue;
             }
             moves = true;
+            starts |= rate == 0.0;
             // a node at rest starts against the imbalance
             let (from, length) = if rate > 0.0 { (w, rate) } else { (y, -pull) };
             for (i, from) in from.iter().enumerate() {
@@ -172,8 +176,9 @@ impl Direction {
                 gradient[i] = y[i] + bound * normal[i];
             }
         }
+        let (normal, gradient) = (&self.normal, &self.gradient);
         self.last
-            .compare(problem.components, moves, &self.normal, &self.gradient)
+            .compare(problem.components, (moves, starts), normal, gradient)
     }
 
     fn moves<L: FrictionLaw>(&self, problem: &ContactProblem<L>, node: usize) -> bool {
@@ -283,8 +288,8 @@ impl Direction {
             self.scatter(problem, factor)
         };
         if let Some(factor) = self.last.correction(product) {
-            plane::add(simd, factor, &self.last.step, &mut self.step);
-            plane::add(simd, factor, &self.last.forces, &mut self.forces);
+            add_scaled(simd, &mut self.step, factor, &self.last.step);
+            add_scaled(simd, &mut self.forces, factor, &self.last.forces);
         }
     }
 
@@ -306,17 +311,26 @@ impl Direction {
                 }
             }
         } else {
-            for (node, force) in self.forces.iter_mut().enumerate() {
-                if factor.yielding[node] == 0.0 {
-                    *force = dot(column(problem.s, node), &self.step);
-                }
-            }
-            for (rhs, component) in self.rhs.iter().zip(&factor.components) {
-                let own = factor.blocks[*component] * self.step[*component];
-                self.forces[*component] = rhs - own;
-            }
+            self.scatter_forces(problem, factor);
         }
         dot(&self.last.change, &self.step)
+    }
+
+    /// Forces of the step with one component where not everything is free.
+    fn scatter_forces<L: FrictionLaw>(&mut self, problem: &ContactProblem<L>, factor: &Factor) {
+        let clamped = problem.nodes() - factor.order();
+        if problem.nodes() <= SMALL || 2 * clamped > problem.nodes() {
+            return multiply(problem.s, &self.step, &mut self.forces);
+        }
+        for (node, force) in self.forces.iter_mut().enumerate() {
+            if factor.yielding[node] == 0.0 {
+                *force = dot(column(problem.s, node), &self.step);
+            }
+        }
+        for (rhs, component) in self.rhs.iter().zip(&factor.components) {
+            let own = factor.blocks[*component] * self.step[*component];
+            self.forces[*component] = rhs - own;
+        }
     }
 
     /// A solve begins.

@@ -42,7 +42,13 @@ impl Last {
     }
 
     /// Compares a motion and gradient of `c` components a node with the last ones.
-    pub fn compare(&mut self, c: usize, moves: bool, normal: &[f64], gradient: &[f64]) -> Seen {
+    pub fn compare(
+        &mut self,
+        c: usize,
+        (moves, starts): (bool, bool),
+        normal: &[f64],
+        gradient: &[f64],
+    ) -> Seen {
         let mut motions = normal.chunks_exact(c).zip(self.normal.chunks_exact(c));
         let is_still = |normal: &[f64]| normal.iter().all(|n| *n == 0.0);
         let values = gradient.iter().zip(&self.gradient);
@@ -51,6 +57,7 @@ impl Last {
         }
         Seen {
             moves,
+            starts,
             is_same_set: motions.all(|(a, b)| is_still(a) == is_still(b) && dot(a, b) >= 0.0),
             curvature: dot(&self.step, &self.change),
             progress: dot(&self.step, gradient),

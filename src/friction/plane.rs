@@ -70,6 +70,8 @@ pub struct Motion<'a> {
 /// What a look at the motion finds.
 pub struct Seen {
     pub moves: bool,
+    /// A node at rest begins to move.
+    pub starts: bool,
     /// The same nodes move as before, none of them back.
     pub is_same_set: bool,
     /// `step . change`.
@@ -87,7 +89,7 @@ pub fn motion<S: Simd>(
     out: Motion,
 ) -> Seen {
     let (zero, one) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
-    let (mut moving, mut changed) = (zero, zero);
+    let (mut moving, mut starting, mut changed) = (zero, zero, zero);
     let (mut curvature, mut progress) = (zero, zero);
     map(
         simd,
@@ -114,6 +116,8 @@ pub fn motion<S: Simd>(
             let is_same = simd.equal_f64s(normal, last_normal);
             changed = simd.select_f64s(is_same, changed, one);
             moving = simd.select_f64s(sticks, moving, one);
+            let begins = simd.select_f64s(at_rest, one, starting);
+            starting = simd.select_f64s(sticks, starting, begins);
             curvature = simd.mul_add_e_f64s(step, change, curvature);
             progress = simd.mul_add_e_f64s(step, gradient, progress);
             [normal, gradient, change]
@@ -121,6 +125,7 @@ pub fn motion<S: Simd>(
     );
     Seen {
         moves: simd.reduce_max_f64s(moving) > 0.0,
+        starts: simd.reduce_max_f64s(starting) > 0.0,
         is_same_set: simd.reduce_max_f64s(changed) == 0.0,
         curvature: simd.reduce_sum_f64s(curvature),
         progress: simd.reduce_sum_f64s(progress),
@@ -200,22 +205,6 @@ pub fn step_of_all<S: Simd>(
         },
     );
     simd.reduce_sum_f64s(product)
-}
-
-/// `to += factor * from`.
-#[inline(always)]
-pub fn add<S: Simd>(simd: S, factor: f64, from: &[f64], to: &mut [f64]) {
-    let factor = simd.splat_f64s(factor);
-    let (to, to_rest) = S::as_mut_simd_f64s(to);
-    let (from, from_rest) = S::as_simd_f64s(from);
-    for (to, from) in to.iter_mut().zip(from) {
-        *to = simd.mul_add_e_f64s(factor, *from, *to);
-    }
-    if !to_rest.is_empty() {
-        let from = simd.partial_load_f64s(from_rest);
-        let sum = simd.mul_add_e_f64s(factor, from, simd.partial_load_f64s(to_rest));
-        simd.partial_store_f64s(to_rest, sum);
-    }
 }
 
 /// Velocities, forces and rates at `length` steps from a point. Whether a node that moves would reverse.

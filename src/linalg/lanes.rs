@@ -68,6 +68,22 @@ pub fn map<S: Simd, const N: usize, const M: usize>(
     }
 }
 
+/// `to += factor * from`.
+#[inline(always)]
+pub fn add_scaled<S: Simd>(simd: S, to: &mut [f64], factor: f64, from: &[f64]) {
+    let factor = simd.splat_f64s(factor);
+    let (to, to_rest) = S::as_mut_simd_f64s(to);
+    let (from, from_rest) = S::as_simd_f64s(from);
+    for (to, from) in to.iter_mut().zip(from) {
+        *to = simd.mul_add_e_f64s(factor, *from, *to);
+    }
+    if !to_rest.is_empty() {
+        let from = simd.partial_load_f64s(from_rest);
+        let sum = simd.mul_add_e_f64s(factor, from, simd.partial_load_f64s(to_rest));
+        simd.partial_store_f64s(to_rest, sum);
+    }
+}
+
 /// The larger of two; the first where the second is not a number.
 #[inline(always)]
 pub fn larger<S: Simd>(simd: S, a: S::f64s, b: S::f64s) -> S::f64s {

@@ -15,6 +15,7 @@ mod single;
 mod sparse;
 mod stored;
 mod substitution;
+mod sums;
 mod tiles;
 mod triangle;
 
@@ -25,3 +26,4 @@ pub use elementary::exp_m1;
 pub use products::{column, multiply, multiply_transposed};
 pub use sparse::SparseCholesky;
 pub use stored::StoredMatrix;
+pub use sums::add_scaled;
