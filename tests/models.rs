@@ -81,6 +81,39 @@ fn reduction_out_of_reach_is_an_error_not_a_silent_loss() {
     }
 }
 
+/// Many loads are not held as fields; together they do what one does.
+#[test]
+fn a_load_in_eight_parts_is_one_load() {
+    let loads = |count: u32| {
+        let press = |i: u32| {
+            let (name, start) = (format!("p{i}"), -0.3 / f64::from(count));
+            json!({"name": name, "kind": "traction", "part": "top", "direction": [0, 1], "start": start})
+        };
+        let parts = (0..count).map(press);
+        serde_json::Value::from_iter(parts).to_string()
+    };
+    for tolerance in ["1e-6", "1e-8"] {
+        let mut of = [1, 8].map(|count| {
+            let loads = loads(count);
+            start(&paper(
+                16,
+                &[
+                    ("loads", &loads),
+                    ("run.signals", "{}"),
+                    ("fidelity.tolerance", tolerance),
+                ],
+            ))
+        });
+        for _ in 0..32 {
+            of.iter_mut().for_each(|s| steps(s, 0.03125, 1));
+            let [one, eight] = of.each_ref().map(|s| values(s, "contact.slip_rate"));
+            let allowed = 100.0 * tolerance.parse::<f64>().unwrap();
+            let difference = relative(&eight, &one);
+            assert!(difference < allowed, "{tolerance}: {difference:e}");
+        }
+    }
+}
+
 #[test]
 fn auto_takes_the_cheaper_model() {
     let kind = |mesh: &str| {

@@ -29,6 +29,8 @@ const SHRUNK: f64 = 1e-2;
 const SHARE: f64 = 0.5;
 /// Most responses to a force.
 const MOST: usize = 12;
+/// Most loads whose responses are kept: a field is as long as the body.
+const MOST_LOADS: usize = 6;
 
 /// How many responses to a force hold what it does to a body with rates in the interval, and whether they hold all of it.
 pub fn depth([slowest, fastest]: [f64; 2], tolerance: f64) -> (usize, bool) {
@@ -40,6 +42,11 @@ pub fn depth([slowest, fastest]: [f64; 2], tolerance: f64) -> (usize, bool) {
         depth.ceil().clamp(1.0, MOST as f64) as usize,
         depth <= MOST as f64,
     )
+}
+
+/// How many of the loads have their responses kept: all of them, or none.
+pub fn held_loads(loads: usize) -> usize {
+    if loads <= MOST_LOADS { loads } else { 0 }
 }
 
 /// Orthonormal fields.

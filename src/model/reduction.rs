@@ -92,6 +92,7 @@ pub fn reduce(body: &Body, cholesky: &SparseCholesky, fidelity: &Fidelity) -> Re
     let (weights, emphasis) = (of_loads(LOAD_WEIGHT), of_loads(emphasis));
 
     let (depth, holds_all) = fields::depth(interval, tolerance);
+    let held_loads = fields::held_loads(loads);
     let mut search = Search {
         tolerance,
         precision,
@@ -103,9 +104,10 @@ pub fn reduce(body: &Body, cholesky: &SparseCholesky, fidelity: &Fidelity) -> Re
     // the plan is for an even spectrum; a body that needs more than one shift beyond it is at the limit of rounding
     for _ in 0..2 {
         let Some(shifts) = planned else { break };
-        let sampled = Sampled::new(&mut sampler, shifts, &weights, &emphasis, (loads, depth))?;
+        let of_fields = (held_loads, depth);
+        let sampled = Sampled::new(&mut sampler, shifts, &weights, &emphasis, of_fields)?;
         let smooth = 0..sampled.turn.len();
-        let of_loads = ports.contact_len..ports.contact_len + loads;
+        let of_loads = ports.contact_len..ports.contact_len + held_loads;
         let is_held = |port| holds_all && (smooth.contains(&port) || of_loads.contains(&port));
         let mut projection = Projection::new(&sampled, is_held, &emphasis)?;
         let mut found = search.truncate(&projection, &sampled)?;
@@ -114,7 +116,8 @@ pub fn reduce(body: &Body, cholesky: &SparseCholesky, fidelity: &Fidelity) -> Re
             found = search.truncate(&projection, &sampled)?;
         }
         if let Some(truncated) = found {
-            return Ok(finish(truncated, sampled, loads, reference_rate));
+            let f = finish(truncated, sampled, loads, reference_rate);
+            return Ok(f);
         }
         planned = sampled.shifts.refined(interval, tolerance);
     }
