@@ -25,23 +25,42 @@ use std::f64::consts::FRAC_PI_2;
 const DEPENDENT: f64 = 1e-11;
 /// A response that loses more than this share of its energy to the others of its block is made orthogonal to all fields again.
 const SHRUNK: f64 = 1e-2;
-/// Share of the tolerance that the energy of what is missed of a response may have.
+/// Share of the tolerance that the energy of what is missed of a response to contact forces may have.
 const SHARE: f64 = 0.5;
+/// Share of the tolerance in the energy of what a reduction misses of the other contact forces.
+const OF_OTHERS: f64 = 0.1;
 /// Most responses to a force.
 const MOST: usize = 12;
 /// Most loads whose responses are kept: a field is as long as the body.
 const MOST_LOADS: usize = 6;
 
-/// How many responses to a force hold what it does to a body with rates in the interval, and whether they hold all of it.
-pub fn depth([slowest, fastest]: [f64; 2], tolerance: f64) -> (usize, bool) {
-    let root = (fastest / slowest).sqrt();
-    // what a response leaves of the error of those before it
-    let left = (root - 1.0) / (root + 1.0);
-    let depth = 0.5 * (SHARE * tolerance).ln() / left.ln();
-    (
-        depth.ceil().clamp(1.0, MOST as f64) as usize,
-        depth <= MOST as f64,
-    )
+/// How many responses to a force are kept.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Depth {
+    /// To a load, and to a smooth contact force.
+    loads: usize,
+    smooth: usize,
+    /// Whether they hold all that the forces do, to the tolerance.
+    pub holds_all: bool,
+}
+
+impl Depth {
+    /// For a body with rates in the interval. What loads do to the contact is asked for to a smaller error, by the factor
+    /// `emphasis`: that error is the mean of what is missed of a load and of the contact forces.
+    pub fn new([slowest, fastest]: [f64; 2], tolerance: f64, emphasis: f64) -> Depth {
+        let root = (fastest / slowest).sqrt();
+        // what a response leaves of the error of those before it
+        let left = (root - 1.0) / (root + 1.0);
+        let depth = |missed: f64| (0.5 * (missed * tolerance).ln() / left.ln()).ceil();
+        let smooth = depth(SHARE);
+        let loads = depth(SHARE.min(1.0 / (OF_OTHERS * emphasis * emphasis)));
+        let allowed = |depth: f64| depth.clamp(1.0, MOST as f64) as usize;
+        Depth {
+            loads: allowed(loads),
+            smooth: allowed(smooth),
+            holds_all: loads <= MOST as f64,
+        }
+    }
 }
 
 /// How many of the loads have their responses kept: all of them, or none.
@@ -59,35 +78,55 @@ pub struct Fields {
     pub seen: Mat<f64>,
     /// Angle of the operator M.
     angle: f64,
-    /// T: k x first, as many columns as fields in Q_1.
+    /// T: k x first.
     recurrence: Mat<f64>,
-    /// A Q_2: n x (k - first).
+    /// Which fields are those of Q_1, in the order of the columns of T, and of Q_2.
+    first: Vec<usize>,
+    last: Vec<usize>,
+    /// A Q_2: n x last.
     last_images: Mat<f64>,
 }
 
 impl Fields {
-    /// `depth` responses to each of the `forces` (n x count, by dofs), with the operator of the last `sample`.
-    pub fn new(sampler: &mut Sampler, sample: &Sample, forces: Mat<f64>, depth: usize) -> Fields {
+    /// Responses to each of the `forces` (n x count, by dofs; the first ones are `loads`), with the operator of the last `sample`.
+    pub fn new(
+        sampler: &mut Sampler,
+        sample: &Sample,
+        (forces, loads): (Mat<f64>, usize),
+        depth: Depth,
+    ) -> Fields {
         let angle = sampler.angle();
         let [viscosity, elasticity] = [0.0, FRAC_PI_2].map(|angle| sampler.operator(angle));
-        let most = depth * forces.ncols();
+        let levels = depth.loads.max(depth.smooth);
+        let most = levels * forces.ncols();
         let mut basis = Basis::new(forces.nrows(), most);
         let mut recurrence = Mat::<f64>::zeros(most, most);
-        // the latest fields
-        let (mut from, mut to) = (0, 0);
+        let mut first = Vec::new();
+        // the fields that are responded to next, and whether they come from a load
+        let mut current: Vec<usize> = Vec::new();
+        let mut is_load: Vec<bool> = (0..forces.ncols()).map(|j| j < loads).collect();
         let mut latest = forces;
-        for _ in 0..depth {
+        for level in 1..=levels {
             sampler.respond(&sample.lower, latest.as_mut());
-            basis.add(latest.clone(), |x| sampler.apply(&viscosity, x));
-            let shares = basis.images().transpose() * latest.get(.., ..to - from);
-            recurrence
-                .get_mut(..shares.nrows(), from..to)
-                .copy_from(shares);
-            (from, to) = (to, basis.len);
-            latest = basis.images().get(.., from..).to_owned();
+            let from = basis.len;
+            let kept = basis.add(latest.clone(), |x| sampler.apply(&viscosity, x));
+            let shares = basis.images().transpose() * latest.get(.., ..current.len());
+            let to = first.len()..first.len() + current.len();
+            let mut block = recurrence.get_mut(..shares.nrows(), to);
+            block.copy_from(shares);
+            first.append(&mut current);
+            let goes_on = |is_load: bool| level < if is_load { depth.loads } else { depth.smooth };
+            let kept = kept.into_iter().map(|j| is_load[j]).enumerate();
+            (current, is_load) = kept
+                .filter(|&(_, is_load)| goes_on(is_load))
+                .map(|(i, is_load)| (from + i, is_load))
+                .unzip();
+            latest = columns(basis.images(), &current);
         }
+        let last: Vec<usize> = (0..basis.len).filter(|j| !first.contains(j)).collect();
+        let last_images = columns(basis.images(), &last);
+        let recurrence = recurrence.get(..basis.len, ..first.len()).to_owned();
         let fields = basis.into_fields();
-        let recurrence = recurrence.get(..to, ..from).to_owned();
         let stiff = fields.transpose() * sampler.apply(&elasticity, fields.as_ref());
         Fields {
             elasticity: stiff,
@@ -95,7 +134,9 @@ impl Fields {
             fields,
             angle,
             recurrence,
-            last_images: latest,
+            first,
+            last,
+            last_images,
         }
     }
 
@@ -109,22 +150,35 @@ impl Fields {
         let ((c, d), (ci, di)) = (shift(self.angle), shift(sampler.angle()));
         let alpha = di / d;
         let beta = ci - c * alpha;
-        let last = sampler.observe_responses(sample, self.last_images.as_ref());
-        let first = self.recurrence.ncols();
-        let (own, others) = self.recurrence.split_at_row(first);
-        let known = &self.seen * &self.recurrence - Scale(beta) * (&last * others);
-        let pair = Mat::from_fn(first, first, |i, j| {
+        let of_last = sampler.observe_responses(sample, self.last_images.as_ref());
+        let (first, last) = (&self.first, &self.last);
+        let others = Mat::from_fn(last.len(), first.len(), |i, j| {
+            self.recurrence[(last[i], j)]
+        });
+        let known = &self.seen * &self.recurrence - Scale(beta) * (&of_last * others);
+        let pair = Mat::from_fn(first.len(), first.len(), |i, j| {
             let same = if i == j { alpha } else { 0.0 };
-            same + beta * own[(j, i)]
+            same + beta * self.recurrence[(first[j], i)]
         });
         let of_first = pair.partial_piv_lu().solve(known.transpose());
-        Mat::from_fn(last.nrows(), self.len(), |i, j| {
-            match j.checked_sub(first) {
-                None => of_first[(j, i)],
-                Some(at) => last[(i, at)],
-            }
-        })
+        let mut all = Mat::zeros(of_last.nrows(), self.len());
+        for (i, &field) in first.iter().enumerate() {
+            all.col_mut(field).copy_from(of_first.row(i).transpose());
+        }
+        for (j, &field) in last.iter().enumerate() {
+            all.col_mut(field).copy_from(of_last.col(j));
+        }
+        all
     }
+}
+
+/// Some columns of a matrix.
+fn columns(of: MatRef<f64>, chosen: &[usize]) -> Mat<f64> {
+    let mut out = Mat::zeros(of.nrows(), chosen.len());
+    for (j, &column) in chosen.iter().enumerate() {
+        out.col_mut(j).copy_from(of.col(column));
+    }
+    out
 }
 
 /// Orthonormal fields, and A times them: n x len, in memory for more.
@@ -153,8 +207,12 @@ impl Basis {
         self.fields
     }
 
-    /// Adds what each of `block` has that the others have not, unless that is nothing.
-    fn add(&mut self, mut block: Mat<f64>, mut viscosity: impl FnMut(MatRef<f64>) -> Mat<f64>) {
+    /// Adds what each column of `block` has that the others have not, unless that is nothing; those that were.
+    fn add(
+        &mut self,
+        mut block: Mat<f64>,
+        mut viscosity: impl FnMut(MatRef<f64>) -> Mat<f64>,
+    ) -> Vec<usize> {
         let mut held = vec![0.0; block.ncols()];
         // the second time for the rounding of the first
         for _ in 0..2 {
@@ -166,6 +224,7 @@ impl Basis {
         }
         let mut images = viscosity(block.as_ref());
         let first = self.len;
+        let mut kept = Vec::new();
         for (j, mut held) in held.into_iter().enumerate() {
             let mut own = block.get_mut(.., j..j + 1);
             let mut image = images.get_mut(.., j..j + 1);
@@ -187,8 +246,10 @@ impl Basis {
                     .copy_from(own.rb() * unit);
                 self.images.get_mut(.., at).copy_from(image.rb() * unit);
                 self.len += 1;
+                kept.push(j);
             }
         }
+        kept
     }
 
     /// Takes the fields from `first` on out of a column and its image; returns the energy that they held.
@@ -234,12 +295,13 @@ mod tests {
         let middle = sampler.sample(0.8).unwrap();
         let smooth = Mat::from_fn(ports.contact_len, 2, |i, j| ((i * (j + 1)) as f64).cos());
         let forces = ports.forces(1, &smooth);
-        let fields = Fields::new(&mut sampler, &middle, forces, 6);
-        assert_eq!(fields.len(), 18);
+        let depth = Depth::new([0.7268, 1.3758], 1e-8, 1000.0);
+        let fields = Fields::new(&mut sampler, &middle, (forces, 1), depth);
+        assert_eq!(fields.len(), 9 + 2 * 6);
 
         let images = sampler.apply(&sampler.operator(0.0), fields.fields.as_ref());
         let gram = fields.fields.transpose() * &images;
-        assert!((gram - Mat::<f64>::identity(18, 18)).norm_max() < 1e-12);
+        assert!((gram - Mat::<f64>::identity(21, 21)).norm_max() < 1e-12);
         for angle in [0.05, 0.8, 1.5] {
             let sample = sampler.sample(angle).unwrap();
             let expected = sampler.observe_responses(&sample, images.as_ref());
@@ -250,8 +312,17 @@ mod tests {
 
     #[test]
     fn narrow_materials_need_few_fields_and_wide_ones_more_than_there_are() {
-        assert_eq!(depth([0.7268, 1.3758], 1e-8), (6, true));
-        assert_eq!(depth([0.01, 100.0], 1e-8), (MOST, false));
-        assert_eq!(depth([1.0, 1.0], 1e-8), (1, true));
+        let depth = |interval, emphasis| {
+            let Depth {
+                loads,
+                smooth,
+                holds_all,
+            } = Depth::new(interval, 1e-8, emphasis);
+            (loads, smooth, holds_all)
+        };
+        assert_eq!(depth([0.7268, 1.3758], 1.0), (6, 6, true));
+        assert_eq!(depth([0.7268, 1.3758], 1000.0), (9, 6, true));
+        assert_eq!(depth([0.01, 100.0], 1.0), (MOST, MOST, false));
+        assert_eq!(depth([1.0, 1.0], 1000.0), (1, 1, true));
     }
 }

@@ -6,7 +6,7 @@
 //! the samples that are not shifts (see `samples`). Projection keeps the rates between the extreme eigenvalues of `A^-1 B`,
 //! which the element rates bound: a rate outside that matters is an error upstream.
 
-use super::fields;
+use super::fields::{Depth, held_loads};
 use super::galerkin::{Modes, Projection};
 use super::port_matrix::PortMatrix;
 use super::reduced::Reduced;
@@ -89,10 +89,9 @@ pub fn reduce(body: &Body, cholesky: &SparseCholesky, fidelity: &Fidelity) -> Re
     };
     let rounding = 2.0 * unit * body.len() as f64;
     let emphasis = (tolerance / rounding).clamp(1.0, LOAD_EMPHASIS);
+    let depth = Depth::new(interval, tolerance, emphasis);
     let (weights, emphasis) = (of_loads(LOAD_WEIGHT), of_loads(emphasis));
-
-    let (depth, holds_all) = fields::depth(interval, tolerance);
-    let held_loads = fields::held_loads(loads);
+    let held_loads = held_loads(loads);
     let mut search = Search {
         tolerance,
         precision,
@@ -108,7 +107,8 @@ pub fn reduce(body: &Body, cholesky: &SparseCholesky, fidelity: &Fidelity) -> Re
         let sampled = Sampled::new(&mut sampler, shifts, &weights, &emphasis, of_fields)?;
         let smooth = 0..sampled.turn.len();
         let of_loads = ports.contact_len..ports.contact_len + held_loads;
-        let is_held = |port| holds_all && (smooth.contains(&port) || of_loads.contains(&port));
+        let is_held =
+            |port| depth.holds_all && (smooth.contains(&port) || of_loads.contains(&port));
         let mut projection = Projection::new(&sampled, is_held, &emphasis)?;
         let mut found = search.truncate(&projection, &sampled)?;
         if found.is_none() {

@@ -4,7 +4,7 @@
 //! the compliance `C = L L^T` bounds the relative error of the compliance and of its inverse for any combination of forces or
 //! slips. A load or probe of own response h and contact response c is right to `|L^-1 (c_r - c)| / sqrt(h)`, times its emphasis.
 
-use super::fields::Fields;
+use super::fields::{Depth, Fields};
 use super::galerkin::Modes;
 use super::reduced::add_response;
 use super::scaling::Scaling;
@@ -43,7 +43,7 @@ impl<'a> Sampled<'a> {
         shifts: Shifts,
         weights: &[f64],
         emphasis: &'a [f64],
-        (loads, depth): (usize, usize),
+        (loads, depth): (usize, Depth),
     ) -> Result<Sampled<'a>> {
         let middle = shifts.tests[shifts.tests.len() / 2];
         let reference = sampler.sample(shifts.angles[middle])?;
@@ -52,7 +52,7 @@ impl<'a> Sampled<'a> {
         let forces = sampler
             .ports()
             .forces(loads, &scaling.contact_forces(&directions));
-        let mut fields = Fields::new(sampler, &reference, forces, depth);
+        let mut fields = Fields::new(sampler, &reference, (forces, loads), depth);
         let mut reference = Some(reference);
         let (mut transfer, mut factors, mut couplings) = (Vec::new(), Vec::new(), Vec::new());
         for (at, angle) in shifts.angles.iter().enumerate() {
