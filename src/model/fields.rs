@@ -13,18 +13,13 @@
 //! alpha P^T K^-1 A Q_1 + beta P^T K^-1 A Q T = P^T Q T
 //! ```
 
+use super::basis::Basis;
 use super::shifts::shift;
 use super::transfer::{Sample, Sampler};
-use faer::linalg::matmul::matmul;
 use faer::linalg::solvers::Solve;
-use faer::reborrow::{Reborrow, ReborrowMut};
-use faer::{Accum, Mat, MatMut, MatRef, Par, Scale};
+use faer::{Mat, MatRef, Scale};
 use std::f64::consts::FRAC_PI_2;
 
-/// A response is dropped when this share of it is all that the others do not hold.
-const DEPENDENT: f64 = 1e-11;
-/// A response that loses more than this share of its energy to the others of its block is made orthogonal to all fields again.
-const SHRUNK: f64 = 1e-2;
 /// Share of the tolerance that the energy of what is missed of a response to contact forces may have.
 const SHARE: f64 = 0.5;
 /// Share of the tolerance in the energy of what a reduction misses of the other contact forces.
@@ -108,7 +103,7 @@ impl Fields {
         let mut latest = forces;
         for level in 1..=levels {
             sampler.respond(&sample.lower, latest.as_mut());
-            let from = basis.len;
+            let from = basis.len();
             let kept = basis.add(latest.clone(), |x| sampler.apply(&viscosity, x));
             let shares = basis.images().transpose() * latest.get(.., ..current.len());
             let to = first.len()..first.len() + current.len();
@@ -123,9 +118,9 @@ impl Fields {
                 .unzip();
             latest = columns(basis.images(), &current);
         }
-        let last: Vec<usize> = (0..basis.len).filter(|j| !first.contains(j)).collect();
+        let last: Vec<usize> = (0..basis.len()).filter(|j| !first.contains(j)).collect();
         let last_images = columns(basis.images(), &last);
-        let recurrence = recurrence.get(..basis.len, ..first.len()).to_owned();
+        let recurrence = recurrence.get(..basis.len(), ..first.len()).to_owned();
         let fields = basis.into_fields();
         let stiff = fields.transpose() * sampler.apply(&elasticity, fields.as_ref());
         Fields {
@@ -179,97 +174,6 @@ fn columns(of: MatRef<f64>, chosen: &[usize]) -> Mat<f64> {
         out.col_mut(j).copy_from(of.col(column));
     }
     out
-}
-
-/// Orthonormal fields, and A times them: n x len, in memory for more.
-struct Basis {
-    fields: Mat<f64>,
-    images: Mat<f64>,
-    len: usize,
-}
-
-impl Basis {
-    fn new(rows: usize, most: usize) -> Basis {
-        Basis {
-            fields: Mat::zeros(rows, most),
-            images: Mat::zeros(rows, most),
-            len: 0,
-        }
-    }
-
-    fn images(&self) -> MatRef<'_, f64> {
-        self.images.get(.., ..self.len)
-    }
-
-    fn into_fields(mut self) -> Mat<f64> {
-        let n = self.fields.nrows();
-        self.fields.resize_with(n, self.len, |_, _| 0.0);
-        self.fields
-    }
-
-    /// Adds what each column of `block` has that the others have not, unless that is nothing; those that were.
-    fn add(
-        &mut self,
-        mut block: Mat<f64>,
-        mut viscosity: impl FnMut(MatRef<f64>) -> Mat<f64>,
-    ) -> Vec<usize> {
-        let mut held = vec![0.0; block.ncols()];
-        // the second time for the rounding of the first
-        for _ in 0..2 {
-            let shares = self.images().transpose() * &block;
-            subtract(block.as_mut(), self.fields.get(.., ..self.len), &shares);
-            for (held, shares) in held.iter_mut().zip(shares.col_iter()) {
-                *held += shares.squared_norm_l2();
-            }
-        }
-        let mut images = viscosity(block.as_ref());
-        let first = self.len;
-        let mut kept = Vec::new();
-        for (j, mut held) in held.into_iter().enumerate() {
-            let mut own = block.get_mut(.., j..j + 1);
-            let mut image = images.get_mut(.., j..j + 1);
-            let before = energy(own.rb(), image.rb());
-            held += self.remove(first, own.rb_mut(), image.rb_mut());
-            if energy(own.rb(), image.rb()) < SHRUNK * before {
-                // what is left has lost as many digits against all others, and in its image
-                image.copy_from(viscosity(own.rb()));
-                self.remove(0, own.rb_mut(), image.rb_mut());
-                image.copy_from(viscosity(own.rb()));
-            }
-            held += self.remove(first, own.rb_mut(), image.rb_mut());
-            let length = energy(own.rb(), image.rb()).sqrt();
-            if length > DEPENDENT * held.sqrt() {
-                let unit = Scale(1.0 / length);
-                let at = self.len..self.len + 1;
-                self.fields
-                    .get_mut(.., at.clone())
-                    .copy_from(own.rb() * unit);
-                self.images.get_mut(.., at).copy_from(image.rb() * unit);
-                self.len += 1;
-                kept.push(j);
-            }
-        }
-        kept
-    }
-
-    /// Takes the fields from `first` on out of a column and its image; returns the energy that they held.
-    fn remove(&self, first: usize, mut own: MatMut<f64>, image: MatMut<f64>) -> f64 {
-        let images = self.images.get(.., first..self.len);
-        let shares = images.transpose() * &own;
-        subtract(own.rb_mut(), self.fields.get(.., first..self.len), &shares);
-        subtract(image, images, &shares);
-        shares.squared_norm_l2()
-    }
-}
-
-/// Energy of a column, from its image.
-fn energy(own: MatRef<f64>, image: MatRef<f64>) -> f64 {
-    (own.col(0).transpose() * image.col(0)).max(0.0)
-}
-
-/// `to -= basis * shares`.
-fn subtract(to: MatMut<f64>, basis: MatRef<f64>, shares: &Mat<f64>) {
-    matmul(to, Accum::Add, basis, shares, -1.0, Par::Seq);
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! The compiled scene: what a step needs, and no more. Immutable, shared between simulators and threads.
 
+mod basis;
 mod body_model;
 mod bytes;
 mod compile;

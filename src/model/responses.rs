@@ -15,6 +15,7 @@ use super::samples::Sampled;
 use super::shifts::{Shifts, shift};
 use faer::Mat;
 
+/// Products of the responses, known from what the samples and the fields show.
 pub struct Responses<'a> {
     shifts: &'a Shifts,
     /// Ports whose responses at the shifts are projected on.
