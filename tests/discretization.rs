@@ -217,7 +217,7 @@ fn smooth_error(value: &Value) -> f64 {
     let mut factor = vec![0.0; cholesky.len()];
     let mut memory = cholesky.scratch(1);
     cholesky
-        .factor("B", pattern, &operators.b, &mut factor, &mut memory)
+        .factor("B", &operators.b, &mut factor, &mut memory)
         .unwrap();
     let rhs = faer::ColMut::from_slice_mut(&mut load).as_mat_mut();
     cholesky.solve(&factor, rhs, &mut memory);

@@ -37,7 +37,7 @@ fn errors(scene: &Scene) -> [f64; 2] {
     [off[0] / scale[0], off[1] / scale[1]]
 }
 
-/// Down to 1e-6 the reduction is as accurate as in double precision, with half the memory for about as many states.
+/// Down to 1e-6 the reduction is as accurate as in double precision, with half the memory and no more states.
 #[test]
 fn single_precision_keeps_what_it_promises() {
     for (tolerance, slip_rate, stress) in [("1e-5", 3e-7, 8e-5), ("1e-6", 3e-7, 8e-6)] {
@@ -48,8 +48,8 @@ fn single_precision_keeps_what_it_promises() {
         );
     }
     let [single, double] = ["single", "double"].map(|p| compile(&scene(p, "1e-6")).unwrap());
-    let [a, b] = [&single, &double].map(|model| model.states() as f64);
-    assert!((a / b - 1.0).abs() < 0.05, "{a} and {b} states");
+    let [a, b] = [&single, &double].map(|model| model.states());
+    assert!(a <= b, "{a} states instead of {b}");
     let [a, b] = [&single, &double].map(|model| model.summary().bytes as f64);
     assert!(a < 0.6 * b, "{a} of {b} bytes");
 }

@@ -157,6 +157,12 @@ pub fn tile<S: Simd>(simd: S, x: [&[f64]; 4], y: [&[f64]; 2]) -> [[f64; 4]; 2] {
     out
 }
 
+/// `to += factor * from`.
+#[inline(always)]
+pub fn add_scaled(to: &mut [f64], factor: f64, from: &[f64]) {
+    to.iter_mut().zip(from).for_each(|(t, f)| *t += factor * f);
+}
+
 /// `a . b`, over the shorter of the two.
 #[inline(always)]
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {

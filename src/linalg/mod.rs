@@ -15,15 +15,13 @@ mod single;
 mod sparse;
 mod stored;
 mod substitution;
-mod sums;
 mod tiles;
 mod triangle;
 
 pub use cholesky::DenseCholesky;
 pub use dense::{mirror_lower, pivoted_cholesky, symmetric_eigen, symmetric_eigenvalues};
-pub use double::dot;
+pub use double::{add_scaled, dot};
 pub use elementary::exp_m1;
 pub use products::{column, multiply, multiply_transposed};
 pub use sparse::SparseCholesky;
 pub use stored::StoredMatrix;
-pub use sums::add_scaled;

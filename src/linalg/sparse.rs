@@ -131,7 +131,6 @@ impl SparseCholesky {
     pub fn factor(
         &self,
         what: &'static str,
-        (given_col_ptr, given_row_idx): (&[usize], &[usize]),
         values: &[f64],
         factor: &mut [f64],
         scratch: &mut MemBuffer,
@@ -141,10 +140,7 @@ impl SparseCholesky {
             row_idx,
             from,
         } = &self.reordered;
-        debug_assert_eq!(
-            (given_col_ptr.len(), given_row_idx.len()),
-            (col_ptr.len(), from.len())
-        );
+        assert_eq!(values.len(), from.len());
         let stack = MemStack::new(scratch);
         let (values, stack) = stack.make_with(from.len(), |at| values[from[at]]);
         let n = self.order.len();

@@ -3,6 +3,7 @@
 //! A pass moves the factor through the memory once, whatever the number of right-hand sides, and COLUMNS of it at a time
 //! through the rows of the right-hand sides: these are read and written once per COLUMNS.
 
+use super::products::column;
 use super::sparse::SparseCholesky;
 use faer::MatRef;
 use faer::sparse::linalg::cholesky::supernodal::SupernodalLltRef;
@@ -118,7 +119,7 @@ impl<'a> Supernode<'a> {
     /// The columns from `j` on, below row `j` of the triangle.
     #[inline(always)]
     fn columns<const K: usize>(&self, j: usize) -> [&'a [f64]; K] {
-        std::array::from_fn(|a| &column_slice(self.values, j + a)[j..])
+        std::array::from_fn(|a| &column(self.values, j + a)[j..])
     }
 
     #[inline(always)]
@@ -190,12 +191,4 @@ impl<'a> Supernode<'a> {
 #[inline(always)]
 fn less<const N: usize>(from: [f64; N], factor: f64, x: [f64; N]) -> [f64; N] {
     std::array::from_fn(|n| from[n] - factor * x[n])
-}
-
-/// A column of a column-major block as a slice.
-#[inline(always)]
-fn column_slice(block: MatRef<'_, f64>, j: usize) -> &[f64] {
-    // the blocks of a factor are column-major by construction; an empty slice would be a change in faer's layout
-    let column = block.col(j).try_as_col_major();
-    column.map_or(&[], |column| column.as_slice())
 }

@@ -59,7 +59,6 @@ impl Field {
         self.operators.combine(1.0, theta_k, &mut scratch.matrix);
         self.cholesky.factor(
             "the stage operator A + theta k B (is the body clamped or otherwise held?)",
-            (&self.operators.col_ptr, &self.operators.row_idx),
             &scratch.matrix,
             &mut stage.factor,
             &mut scratch.memory,

@@ -14,6 +14,7 @@
 //! ```
 
 use super::basis::Basis;
+use super::reduction::TRUNCATION_SHARES;
 use super::shifts::shift;
 use super::transfer::{Sample, Sampler};
 use faer::linalg::solvers::Solve;
@@ -22,8 +23,6 @@ use std::f64::consts::FRAC_PI_2;
 
 /// Share of the tolerance that the energy of what is missed of a response to contact forces may have.
 const SHARE: f64 = 0.5;
-/// Share of the tolerance in the energy of what a reduction misses of the other contact forces.
-const OF_OTHERS: f64 = 0.1;
 /// Most responses to a force.
 const MOST: usize = 12;
 /// Most loads whose responses are kept: a field is as long as the body.
@@ -41,14 +40,14 @@ pub struct Depth {
 
 impl Depth {
     /// For a body with rates in the interval. What loads do to the contact is asked for to a smaller error, by the factor
-    /// `emphasis`: that error is the mean of what is missed of a load and of the contact forces.
+    /// `emphasis`: that error is the mean of what is missed of a load and, by truncation, of the contact forces.
     pub fn new([slowest, fastest]: [f64; 2], tolerance: f64, emphasis: f64) -> Depth {
         let root = (fastest / slowest).sqrt();
         // what a response leaves of the error of those before it
         let left = (root - 1.0) / (root + 1.0);
         let depth = |missed: f64| (0.5 * (missed * tolerance).ln() / left.ln()).ceil();
         let smooth = depth(SHARE);
-        let loads = depth(SHARE.min(1.0 / (OF_OTHERS * emphasis * emphasis)));
+        let loads = depth(SHARE.min(1.0 / (TRUNCATION_SHARES[0] * emphasis * emphasis)));
         let allowed = |depth: f64| depth.clamp(1.0, MOST as f64) as usize;
         Depth {
             loads: allowed(loads),

@@ -29,7 +29,7 @@ const LOAD_EMPHASIS: f64 = 1000.0;
 const LOAD_WEIGHT: f64 = 5.0;
 /// Shares of the tolerance that dropping nearly dependent responses may use, tried in this order: friction that weakens
 /// magnifies errors of the body, and the larger shares are for tolerances at the limit of rounding.
-const TRUNCATION_SHARES: [f64; 4] = [0.1, 0.02, 0.3, 1.0];
+pub const TRUNCATION_SHARES: [f64; 4] = [0.1, 0.02, 0.3, 1.0];
 /// An outlying rate that changes the transfer matrix by more than this share, however many responses are kept, is no error of
 /// the samples, but one upstream.
 const OUTLIER: f64 = 1e-2;

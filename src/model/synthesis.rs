@@ -31,13 +31,7 @@ impl Synthesis {
         for (i, angle) in self.angles.iter().enumerate() {
             let (c, d) = shift(*angle);
             operators.combine(c, d / self.reference_rate, &mut values);
-            cholesky.factor(
-                "the body operator",
-                (&operators.col_ptr, &operators.row_idx),
-                &values,
-                &mut factor,
-                &mut memory,
-            )?;
+            cholesky.factor("the body operator", &values, &mut factor, &mut memory)?;
             let y: Vec<f64> = (0..m).map(|p| forces[i * m + p]).collect();
             ports.expand(&y, &mut part);
             let rhs = ColMut::from_slice_mut(&mut part).as_mat_mut();

@@ -103,7 +103,6 @@ impl<'a> Sampler<'a> {
         operators.combine(c, d / self.reference_rate, &mut self.values);
         self.cholesky.factor(
             "the body operator c A + d B (is the body clamped or otherwise held?)",
-            (&operators.col_ptr, &operators.row_idx),
             &self.values,
             &mut self.factor,
             &mut self.memory,

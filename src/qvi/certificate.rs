@@ -106,7 +106,6 @@ fn condensed(body: &Body, cholesky: &SparseCholesky, (x, y): (f64, f64)) -> Resu
     let mut factor = vec![0.0; cholesky.len()];
     cholesky.factor(
         "the contact operator (is the body clamped or otherwise held?)",
-        (&operators.col_ptr, &operators.row_idx),
         &values,
         &mut factor,
         &mut cholesky.scratch(1),
