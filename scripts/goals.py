@@ -182,15 +182,18 @@ def step_against_floor(table, ours):
             runs[start, cells] = ours("steps", mesh(cells), f"time.start={start}")
     table.data["step against the floor"] = [{"start": s, "cells": c, **run} for (s, c), run in runs.items()]
 
-    def ratios(start, key):
+    def ratios(start, key, floor="floor_us"):
         rows = [run for (s, _), run in runs.items() if s == start]
-        return [run[key] / run["floor_us"] for run in rows if run[key] is not None]
+        return [run[key] / run[floor] for run in rows if run[key] is not None]
 
     def told(values):
         return " / ".join(f"{v:.2g}" for v in values)
 
+    def of_consistent(key):
+        return told(run[key] for (s, _), run in runs.items() if s == "consistent")
+
     sizes = "h = 1/32 / 1/64 / 1/128 / 1/256"
-    floors = told(run["floor_us"] for (s, _), run in runs.items() if s == "consistent")
+    floors = f"floor {of_consistent('floor_us')} us with faer's product, {of_consistent('own_floor_us')} us with ours"
     figure = "step against its floor (two passes over its port matrix)"
     for label, key, goal in (
         ("all nodes stick", "stick_us", 3),
@@ -200,8 +203,17 @@ def step_against_floor(table, ours):
     ):
         values = {start: ratios(start, key) for start in ("consistent", "zero")}
         ours_told = "; ".join(f"{start} start {told(v)}" for start, v in values.items())
+        ours_told += f"; consistent start over the floor with our product {told(ratios('consistent', key, 'own_floor_us'))}"
         worst = max(v for start in values.values() for v in start)
-        table.add(f"{figure}: {label}, {sizes}", f"<= {goal}", ours_told, f"floor {floors} us", worst <= goal)
+        table.add(f"{figure}: {label}, {sizes}", f"<= {goal}", ours_told, floors, worst <= goal)
+
+    pad = ours("steps", "brake_pad_3d")
+    table.data["step in space"] = pad
+    kinds = {"all stick": "stick_us", "all slip": "slip_us", "mean": "mean_us"}
+    ours_told = ", ".join(f"{label} {pad[key] / pad['floor_us']:.2g}" for label, key in kinds.items() if pad[key])
+    ours_told += f"; mean {number(pad['mean_us'], ' us')}, {pad['contact']} x {pad['states']}, {pad['iterations']:.2g} iterations"
+    floors = f"floor {number(pad['floor_us'], ' us')} with faer's product, {number(pad['own_floor_us'], ' us')} with ours"
+    table.add(f"{figure}: brake_pad_3d on its signals", "-", ours_told, floors, None)
 
 
 def setup(table, ours, peer, repetitions):

@@ -1,23 +1,26 @@
 //! Steps of a run, each timed by itself; the shortest of many runs counts, for what else the machine does only lengthens it.
-//! The floor of a reduced step is two passes over the model's own port matrix (states x contact), measured the same way.
+//! The floor of a reduced step is two passes over the model's own port matrix (states x contact), measured the same way: with
+//! faer's product, and with the one that a step takes.
 
 use super::{Outcome, clock, common};
 use common::{value, values};
-use faer::Mat;
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Mat, MatMut, MatRef, Par};
 use serde_json::{Value, json};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
+use stickslip::course::{Points, set_loads};
 use stickslip::{Model, Scene, Simulator, linalg};
 
 /// Time for the runs of one kind.
 const PATIENCE: Duration = Duration::from_millis(1500);
 
-/// A simulator that steps through the run of its scene.
-struct Run {
+/// A simulator that steps through the run of its scene, on the scene's signals.
+struct Run<'a> {
+    scene: &'a Scene,
     simulator: Simulator,
     start: stickslip::State,
-    size: f64,
-    count: usize,
+    points: Points,
 }
 
 /// One step of the run.
@@ -33,37 +36,49 @@ struct Timed {
     max_slip_rate: f64,
 }
 
-impl Run {
+impl<'a> Run<'a> {
     /// With the bound of friction times `factor`.
-    fn new(model: &Arc<Model>, factor: f64) -> Result<Run, stickslip::Error> {
-        let size = model.scene().time.step;
-        let count = (model.scene().run.until / size).round() as usize;
+    fn new(scene: &'a Scene, model: &Arc<Model>, factor: f64) -> Result<Run<'a>, stickslip::Error> {
         let mut simulator = Simulator::new(Arc::clone(model));
-        // the second coefficient is not to exceed the first
-        let mut coefficients = ["contact.friction.a", "contact.friction.b"];
+        // of an exponential law the second coefficient is not to exceed the first
+        let mut coefficients = ["bound", "a", "b"];
         if factor < 1.0 {
             coefficients.reverse();
         }
         for name in coefficients.iter().filter(|_| factor != 1.0) {
-            let found = value(&simulator, name);
-            let reference = model.ports().find(name)?.reference;
-            simulator.set(reference, factor * found)?;
+            let name = format!("contact.friction.{name}");
+            if let Ok(port) = model.ports().find(&name) {
+                let found = value(&simulator, &name);
+                simulator.set(port.reference, factor * found)?;
+            }
         }
+        set_loads(scene, &mut simulator, 0.0)?;
         simulator.init(0.0)?;
         let start = simulator.state().clone();
         Ok(Run {
+            scene,
             simulator,
             start,
-            size,
-            count,
+            points: Points::of(scene),
         })
     }
 
-    /// Mean time of a step of the first run, us: the system of the step size is factorized in it.
-    fn first(&mut self) -> f64 {
+    /// The time of step `n`, counted from 1, us.
+    fn step(&mut self, n: u64) -> Result<f64, stickslip::Error> {
+        let (from, to) = (self.points.at(n - 1), self.points.at(n));
+        set_loads(self.scene, &mut self.simulator, to)?;
         let begin = Instant::now();
-        common::steps(&mut self.simulator, self.size, self.count);
-        1e6 * begin.elapsed().as_secs_f64() / self.count as f64
+        self.simulator.do_step(from, to - from)?;
+        Ok(1e6 * begin.elapsed().as_secs_f64())
+    }
+
+    /// Mean time of a step of the first run, us: the system of the step size is factorized in it.
+    fn first(&mut self) -> Result<f64, stickslip::Error> {
+        let mut sum = 0.0;
+        for n in 1..=self.points.count {
+            sum += self.step(n)?;
+        }
+        Ok(sum / self.points.count as f64)
     }
 
     /// The steps, one by one.
@@ -71,9 +86,9 @@ impl Run {
         self.simulator.restore(&self.start)?;
         let mut before = values(&self.simulator, "contact.stick");
         let mut steps = Vec::new();
-        for _ in 0..self.count {
+        for n in 1..=self.points.count {
             let factored = self.simulator.friction_work().factorizations;
-            common::steps(&mut self.simulator, self.size, 1);
+            self.step(n)?;
             let now = values(&self.simulator, "contact.stick");
             steps.push(Timed {
                 time: f64::INFINITY,
@@ -88,26 +103,36 @@ impl Run {
         let begin = Instant::now();
         while begin.elapsed() < PATIENCE {
             self.simulator.restore(&self.start)?;
-            for step in &mut steps {
-                let start = Instant::now();
-                common::steps(&mut self.simulator, self.size, 1);
-                step.time = step.time.min(1e6 * start.elapsed().as_secs_f64());
+            for (n, step) in (1..).zip(&mut steps) {
+                step.time = step.time.min(self.step(n)?);
             }
         }
         Ok(steps)
     }
 }
 
-/// Two passes over a port matrix of the size of the model's, us.
-fn floor(model: &Model) -> f64 {
+/// Two passes over a port matrix of the size of the model's, us: with faer's product, and with ours.
+fn floors(model: &Model) -> [f64; 2] {
     let (m, r) = (model.contact().len(), model.states());
     let ports = Mat::from_fn(r, m, |i, j| ((i * 7 + j * 3) % 11) as f64);
     let (mut short, mut long) = (vec![1.0; m], vec![0.0; r]);
-    clock::shortest(PATIENCE / 5, 20, || {
+    let product = |a: MatRef<f64>, x: &[f64], y: &mut [f64]| {
+        let (rows, columns) = (a.nrows(), a.ncols());
+        let x = MatRef::from_column_major_slice(x, columns, 1);
+        let y = MatMut::from_column_major_slice_mut(y, rows, 1);
+        matmul(y, Accum::Replace, a, x, 1.0, Par::Seq);
+    };
+    let library = clock::shortest(PATIENCE / 5, 20, || {
+        product(ports.as_ref(), &short, &mut long);
+        product(ports.transpose(), &long, &mut short);
+        short.fill(1.0);
+    });
+    let own = clock::shortest(PATIENCE / 5, 20, || {
         linalg::multiply(ports.as_ref(), &short, &mut long);
         linalg::multiply_transposed(ports.as_ref(), &long, &mut short);
         short.fill(1.0);
-    })
+    });
+    [library, own]
 }
 
 /// Mean time over the steps that `is_part`, us; none without such a step.
@@ -125,22 +150,24 @@ fn mean(steps: &[Timed], is_part: impl Fn(&Timed) -> bool) -> Value {
 
 pub fn measure(scene: &Scene) -> Outcome {
     let model = stickslip::compile(scene)?;
-    let mut run = Run::new(&model, 1.0)?;
-    let first = run.first();
+    let mut run = Run::new(scene, &model, 1.0)?;
+    let first = run.first()?;
     let fields = ["slip_rate", "slip", "tangential_stress"]
         .map(|f| (f, json!(values(&run.simulator, &format!("contact.{f}")))));
     let places: Vec<f64> = model.contact().points.iter().map(|p| p[0]).collect();
     let tip = run.simulator.get_by_name("tip.displacement").ok();
     let steps = run.steps()?;
     // a thousandth of the bound, and a thousand times it: all nodes slip, all stick
-    let all_slip = Run::new(&model, 1e-3)?.steps()?;
-    let all_stick = Run::new(&model, 1e3)?.steps()?;
+    let all_slip = Run::new(scene, &model, 1e-3)?.steps()?;
+    let all_stick = Run::new(scene, &model, 1e3)?.steps()?;
+    let [library_floor, own_floor] = floors(&model);
     let iterations: f64 = steps.iter().map(|s| s.iterations).sum();
     let mut out = json!({
         "contact": model.contact().len(),
         "states": model.states(),
         "free_dofs": model.summary().free_dofs,
-        "floor_us": floor(&model),
+        "floor_us": library_floor,
+        "own_floor_us": own_floor,
         "first_us": first,
         "mean_us": mean(&steps, |_| true),
         "worst_us": steps.iter().fold(0.0_f64, |w, s| w.max(s.time)),

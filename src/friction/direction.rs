@@ -22,20 +22,23 @@ use super::plane::{self, Motion, Seen};
 use super::problem::{ContactProblem, Point, norm};
 use super::second_variation::{NOTICEABLE, SecondVariation, term_capacity};
 use super::small::{SmallSystem, Term};
-use crate::linalg::lanes::add_scaled;
-use crate::linalg::{DenseCholesky, column, dot, multiply};
+use crate::linalg::{DenseCholesky, column, lanes, multiply};
 use pulp::Simd;
 
 /// What is tried in turn until the matrix is positive definite: the share of the weakening of the bound, and whether nodes
 /// that stick are freed, which makes the body softer. Just above where the matrix would be singular, steps are long along the
 /// shape in which W is not convex; no weakening at all is the frozen-bound problem.
-const ATTEMPTS: [(f64, bool); 5] = [
+type Attempts = &'static [(f64, bool)];
+const IN_PLANE: Attempts = &[
     (1.0, true),
     (1.0, false),
     (0.95, false),
     (0.8, false),
     (0.0, true),
 ];
+/// Curvatures across the slip direction change so much that the matrix is made anew in nearly every step: nodes freed for later
+/// would be terms in vain.
+const IN_SPACE: Attempts = &[(1.0, false), (0.95, false), (0.8, false), (0.0, false)];
 /// Nodes up to which one product with S costs less than a dot product for every node that is not free.
 const SMALL: usize = 64;
 /// Slow steps in a row for which the matrix is made anew even if nodes have changed between stick and slip meanwhile.
@@ -55,7 +58,8 @@ pub struct Direction {
     pub has_forces: bool,
     /// Whether the matrix is above the second variation of W.
     pub is_majorised: bool,
-    /// Which share of the weakening of the bound is in the matrix.
+    attempts: Attempts,
+    /// Which of them the matrix is.
     attempt: usize,
     /// Whether the point of linearisation is the present one.
     pub is_new: bool,
@@ -82,6 +86,7 @@ impl Direction {
             forces: vec![0.0; len],
             has_forces: false,
             is_majorised: false,
+            attempts: if len == nodes { IN_PLANE } else { IN_SPACE },
             attempt: 0,
             is_new: false,
             solves: 0,
@@ -107,7 +112,7 @@ impl Direction {
         cache: &mut FactorCache,
         slow: u32,
     ) -> bool {
-        (self.is_majorised, self.is_new) = (ATTEMPTS[self.attempt].0 < 1.0, false);
+        (self.is_majorised, self.is_new) = (self.weakening() < 1.0, false);
         std::mem::swap(&mut self.normal, &mut self.last.normal);
         std::mem::swap(&mut self.gradient, &mut self.last.gradient);
         let seen = if problem.components == 1 {
@@ -181,6 +186,11 @@ impl Direction {
             .compare(problem.components, (moves, starts), normal, gradient)
     }
 
+    /// Share of the weakening of the bound that is in the matrix.
+    fn weakening(&self) -> f64 {
+        self.attempts[self.attempt].0
+    }
+
     fn moves<L: FrictionLaw>(&self, problem: &ContactProblem<L>, node: usize) -> bool {
         self.normal[problem.at(node)].iter().any(|n| *n != 0.0)
     }
@@ -198,19 +208,20 @@ impl Direction {
         let first = if self.is_new {
             self.attempt
         } else {
-            self.attempt.min(1)
+            let whole = self.attempts.iter().rposition(|(share, _)| *share == 1.0);
+            self.attempt.min(whole.unwrap_or(0))
         };
         self.is_new = true;
-        for (attempt, (weakening, frees_near)) in ATTEMPTS.into_iter().enumerate().skip(first) {
+        for (attempt, (weakening, frees_near)) in self.attempts.iter().enumerate().skip(first) {
             self.attempt = attempt;
-            self.is_majorised = weakening < 1.0;
+            self.is_majorised = *weakening < 1.0;
             let present = SecondVariation {
                 problem,
                 point,
                 normal: &self.normal,
-                weakening,
+                weakening: *weakening,
             };
-            present.linearise(at, frees_near);
+            present.linearise(at, *frees_near);
             if cache.prepare(problem, at) {
                 return true;
             }
@@ -244,7 +255,7 @@ impl Direction {
             problem,
             point,
             normal: &self.normal,
-            weakening: ATTEMPTS[self.attempt].0,
+            weakening: self.weakening(),
         };
         wanted.list_terms(factor, &self.differences, &mut self.terms)
     }
@@ -285,18 +296,21 @@ impl Direction {
             let (step, forces) = (&mut self.step, &mut self.forces);
             plane::step_of_all(simd, known, &self.normal, &self.last.change, step, forces)
         } else {
-            self.scatter(problem, factor)
+            self.scatter(problem, factor);
+            if c == 1 {
+                self.scatter_forces(simd, problem, factor);
+            }
+            lanes::dot(simd, &self.last.change, &self.step)
         };
         if let Some(factor) = self.last.correction(product) {
-            add_scaled(simd, &mut self.step, factor, &self.last.step);
-            add_scaled(simd, &mut self.forces, factor, &self.last.forces);
+            lanes::add_scaled(simd, &mut self.step, factor, &self.last.step);
+            lanes::add_scaled(simd, &mut self.forces, factor, &self.last.forces);
         }
     }
 
-    /// The step, and its forces with one component, from the solution where not everything is free. Returns the product
-    /// of the step with the last change of the gradient.
+    /// The step from the solution where not everything is free.
     #[inline(never)]
-    fn scatter<L: FrictionLaw>(&mut self, problem: &ContactProblem<L>, factor: &Factor) -> f64 {
+    fn scatter<L: FrictionLaw>(&mut self, problem: &ContactProblem<L>, factor: &Factor) {
         self.step.fill(0.0);
         for (value, component) in self.solution.iter().zip(&factor.components) {
             // what sticks stays exactly at rest
@@ -310,21 +324,24 @@ impl Direction {
                     self.step[problem.at(node)].fill(0.0);
                 }
             }
-        } else {
-            self.scatter_forces(problem, factor);
         }
-        dot(&self.last.change, &self.step)
     }
 
     /// Forces of the step with one component where not everything is free.
-    fn scatter_forces<L: FrictionLaw>(&mut self, problem: &ContactProblem<L>, factor: &Factor) {
+    #[inline(always)]
+    fn scatter_forces<S: Simd, L: FrictionLaw>(
+        &mut self,
+        simd: S,
+        problem: &ContactProblem<L>,
+        factor: &Factor,
+    ) {
         let clamped = problem.nodes() - factor.order();
         if problem.nodes() <= SMALL || 2 * clamped > problem.nodes() {
             return multiply(problem.s, &self.step, &mut self.forces);
         }
         for (node, force) in self.forces.iter_mut().enumerate() {
             if factor.yielding[node] == 0.0 {
-                *force = dot(column(problem.s, node), &self.step);
+                *force = lanes::dot(simd, column(problem.s, node), &self.step);
             }
         }
         for (rhs, component) in self.rhs.iter().zip(&factor.components) {

@@ -3,7 +3,7 @@
 use super::law::{Evaluation, FrictionLaw, NodalLaw, Nodes, SlipPath};
 use super::plane;
 use crate::linalg::lanes::visit;
-use crate::linalg::multiply;
+use crate::linalg::{length, multiply};
 use faer::MatRef;
 use pulp::Simd;
 
@@ -49,6 +49,16 @@ impl Point {
             is_exact: false,
         }
     }
+}
+
+/// Where the friction law is violated most.
+struct Worst {
+    residual: f64,
+    node: usize,
+    /// Forces that meet there, N.
+    scale: f64,
+    /// Largest forces that meet at a node, N.
+    largest_scale: f64,
 }
 
 /// A per-node quantity below this share of the largest one is measured against that share: a node that carries
@@ -99,7 +109,7 @@ impl<L: FrictionLaw> ContactProblem<'_, L> {
             return a;
         }
         let (b, d) = (self.s[(at, at + 1)], self.s[(at + 1, at + 1)]);
-        0.5 * (a + d) + (0.5 * (a - d)).hypot(b)
+        0.5 * (a + d) + length(0.5 * (a - d), b)
     }
 
     /// Completes a point from its velocities.
@@ -149,28 +159,46 @@ impl<L: FrictionLaw> ContactProblem<'_, L> {
     /// The residual and the node where it is largest.
     #[inline(never)]
     pub fn worst_node(&self, point: &Point) -> (f64, usize) {
-        // forces that meet at a node: applied, of the body (S w = y + r), of friction
-        let scale = |node: usize| {
+        let found = self.worst_above(point, 0.0);
+        let floor = SCALE_FLOOR * found.largest_scale;
+        // a floor makes no node worse: where it is not the worst one's, it changes nothing
+        let found = if found.scale < floor {
+            self.worst_above(point, floor)
+        } else {
+            found
+        };
+        (found.residual, found.node)
+    }
+
+    /// The node with the largest violated force over the forces that meet there, those not below `floor`.
+    #[inline(always)]
+    fn worst_above(&self, point: &Point, floor: f64) -> Worst {
+        let mut worst = Worst {
+            residual: 0.0,
+            node: 0,
+            scale: f64::INFINITY,
+            largest_scale: 0.0,
+        };
+        for node in 0..self.nodes() {
+            // applied, of the body (S w = y + r), of friction
             let mut body = [0.0; 2];
             for (body, i) in body.iter_mut().zip(self.at(node)) {
                 *body = point.y[i] + self.r[i];
             }
-            norm(&self.r[self.at(node)]) + norm(&body[..self.components]) + point.law.bound[node]
-        };
-        let largest = (0..self.nodes()).map(scale).fold(0.0, f64::max);
-        let mut worst = (0.0, 0);
-        for node in 0..self.nodes() {
+            let bound = point.law.bound[node];
+            let scale = norm(&self.r[self.at(node)]) + norm(&body[..self.components]) + bound;
+            worst.largest_scale = worst.largest_scale.max(scale);
             let violation = self.violation(node, point);
             if violation == 0.0 {
                 continue;
             }
-            let relative = violation / scale(node).max(SCALE_FLOOR * largest);
+            let residual = violation / scale.max(floor);
             // NaN must not pass for converged
-            if relative.is_nan() {
-                return (relative, node);
+            if residual > worst.residual || residual.is_nan() {
+                (worst.residual, worst.node, worst.scale) = (residual, node, scale);
             }
-            if relative > worst.0 {
-                worst = (relative, node);
+            if residual.is_nan() {
+                break;
             }
         }
         worst
@@ -242,7 +270,7 @@ pub struct Judgement {
 pub fn norm(x: &[f64]) -> f64 {
     match x {
         [a] => a.abs(),
-        [a, b] => a.hypot(*b),
+        [a, b] => length(*a, *b),
         _ => x.iter().map(|v| v * v).sum::<f64>().sqrt(),
     }
 }

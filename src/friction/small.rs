@@ -5,7 +5,8 @@
 //! small matrix is inverted instead, the first half does nothing: `Delta^-1 + E^T (H E)` and `g - E b`.
 
 use super::linearisation::Factor;
-use crate::linalg::dot;
+use crate::linalg::{lanes, length};
+use pulp::{Arch, Simd, WithSimd};
 
 /// A term `delta e e^T` of the difference between the matrix wanted and the one at hand.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,10 +18,30 @@ pub struct Term {
     pub reciprocal: f64,
 }
 
+impl Term {
+    /// What the term, whose row is `own`, does to that of `other`.
+    #[inline(always)]
+    fn effect<S: Simd>(
+        &self,
+        simd: S,
+        is_direct: bool,
+        c: usize,
+        own: &[f64],
+        other: &[f64],
+    ) -> f64 {
+        if is_direct {
+            let seen = &other[self.place..self.place + c];
+            seen.iter().zip(&self.e).map(|(y, e)| y * e).sum::<f64>()
+        } else {
+            lanes::dot(simd, &other[self.place..], &own[self.place..])
+        }
+    }
+}
+
 /// Eigenvalues and eigenvectors of the symmetric block xx, xy, yy.
 pub fn symmetric_terms([xx, xy, yy]: [f64; 3]) -> [(f64, [f64; 2]); 2] {
     let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
-    let radius = half.hypot(xy);
+    let radius = length(half, xy);
     if radius == 0.0 {
         return [(mean, [1.0, 0.0]), (mean, [0.0, 1.0])];
     }
@@ -30,8 +51,8 @@ pub fn symmetric_terms([xx, xy, yy]: [f64; 3]) -> [(f64, [f64; 2]); 2] {
     } else {
         (xy, radius - half)
     };
-    let length = x.hypot(y);
-    let (x, y) = (x / length, y / length);
+    let norm = length(x, y);
+    let (x, y) = (x / norm, y / norm);
     [(mean + radius, [x, y]), (mean - radius, [-y, x])]
 }
 
@@ -83,27 +104,19 @@ impl SmallSystem {
         g: &mut [f64],
         half: &mut [f64],
     ) -> bool {
-        let has_all = self.factor(terms, factor, c);
-        self.solve(half);
-        for (j, (term, force)) in terms.iter().zip(&self.forces[..self.order]).enumerate() {
-            for p in 0..c {
-                g[term.place + p] -= force * term.e[p];
-            }
-            if !factor.cholesky.is_direct() {
-                let own = self.rows[j * self.len..].iter();
-                for (half, y) in half.iter_mut().zip(own).skip(term.place) {
-                    *half -= force * y;
-                }
-            }
-        }
-        if factor.cholesky.is_direct() {
-            half[..g.len()].copy_from_slice(g);
-        }
-        has_all
+        Arch::new().dispatch(Application {
+            small: self,
+            terms,
+            factor,
+            c,
+            g,
+            half,
+        })
     }
 
     /// Factors term by term, up to the first whose pivot has not the sign of its delta; whether there is none.
-    fn factor(&mut self, terms: &[Term], factor: &Factor, c: usize) -> bool {
+    #[inline(always)]
+    fn factor<S: Simd>(&mut self, simd: S, terms: &[Term], factor: &Factor, c: usize) -> bool {
         let stride = self.stride;
         if self.version != factor.version {
             (self.version, self.order) = (factor.version, 0);
@@ -122,22 +135,15 @@ impl SmallSystem {
                 let row = factor.cholesky.row(term.place + p).iter();
                 own.iter_mut().zip(row).for_each(|(own, y)| *own += e * y);
             }
-            // what the term does to another, or to itself, whose row this is
-            let effect = |row: &[f64]| {
-                if is_direct {
-                    let seen = &row[term.place..term.place + c];
-                    seen.iter().zip(&term.e).map(|(y, e)| y * e).sum::<f64>()
-                } else {
-                    dot(&row[term.place..], &own[term.place..])
-                }
-            };
             let (done, rest) = self.lower.split_at_mut(j * stride);
             let (lower, scaled) = (&mut rest[..j], &mut self.scaled[j * stride..][..j]);
             for (i, other) in others.chunks_exact(self.len).enumerate() {
-                scaled[i] = effect(other) - dot(&done[i * stride..][..i], &scaled[..i]);
+                let effect = term.effect(simd, is_direct, c, own, other);
+                scaled[i] = effect - lanes::dot(simd, &done[i * stride..][..i], &scaled[..i]);
                 lower[i] = scaled[i] / self.pivots[i];
             }
-            let pivot = effect(own) + term.reciprocal - dot(lower, scaled);
+            let own_effect = term.effect(simd, is_direct, c, own, own);
+            let pivot = own_effect + term.reciprocal - lanes::dot(simd, lower, scaled);
             let is_as_expected = if term.reciprocal < 0.0 {
                 pivot < 0.0
             } else {
@@ -153,12 +159,13 @@ impl SmallSystem {
     }
 
     /// Forces of the factored terms, from half a solve.
-    fn solve(&mut self, half: &[f64]) {
+    #[inline(always)]
+    fn solve<S: Simd>(&mut self, simd: S, half: &[f64]) {
         let (stride, order) = (self.stride, self.order);
         let x = &mut self.forces[..order];
         for (j, row) in self.rows.chunks_exact(self.len).take(order).enumerate() {
-            let value = dot(row, half);
-            x[j] = value - dot(&self.lower[j * stride..][..j], &x[..j]);
+            let value = lanes::dot(simd, row, half);
+            x[j] = value - lanes::dot(simd, &self.lower[j * stride..][..j], &x[..j]);
         }
         for (x, pivot) in x.iter_mut().zip(&self.pivots) {
             *x /= pivot;
@@ -169,6 +176,48 @@ impl SmallSystem {
                 *x -= l * value;
             }
         }
+    }
+}
+
+/// See [`SmallSystem::apply`].
+struct Application<'a> {
+    small: &'a mut SmallSystem,
+    terms: &'a [Term],
+    factor: &'a Factor,
+    c: usize,
+    g: &'a mut [f64],
+    half: &'a mut [f64],
+}
+
+impl WithSimd for Application<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> bool {
+        let Application {
+            small,
+            terms,
+            factor,
+            c,
+            g,
+            half,
+        } = self;
+        let has_all = small.factor(simd, terms, factor, c);
+        small.solve(simd, half);
+        let is_direct = factor.cholesky.is_direct();
+        for (j, (term, force)) in terms.iter().zip(&small.forces[..small.order]).enumerate() {
+            for p in 0..c {
+                g[term.place + p] -= force * term.e[p];
+            }
+            if !is_direct {
+                let own = &small.rows[j * small.len..][..half.len()];
+                lanes::add_scaled(simd, &mut half[term.place..], -force, &own[term.place..]);
+            }
+        }
+        if is_direct {
+            half[..g.len()].copy_from_slice(g);
+        }
+        has_all
     }
 }
 

@@ -4,6 +4,7 @@
 //! without those instructions and called vector by vector. Where the length is no multiple of the vector's, the last vector
 //! is filled up with zeros.
 
+use super::products::Entry;
 use pulp::Simd;
 
 /// Calls `f` with the entries of all columns, which are of equal length.
@@ -82,6 +83,14 @@ pub fn add_scaled<S: Simd>(simd: S, to: &mut [f64], factor: f64, from: &[f64]) {
         let sum = simd.mul_add_e_f64s(factor, from, simd.partial_load_f64s(to_rest));
         simd.partial_store_f64s(to_rest, sum);
     }
+}
+
+/// `a . b`, over the shorter of the two.
+#[inline(always)]
+pub fn dot<S: Simd>(simd: S, a: &[f64], b: &[f64]) -> f64 {
+    let count = a.len().min(b.len());
+    let [sum] = f64::dots(simd, [&a[..count]], &b[..count]);
+    sum
 }
 
 /// The larger of two; the first where the second is not a number.
