@@ -1,14 +1,18 @@
 //! A simulator: one state of one model, driven by a master.
 
+mod reading;
+mod saving;
+mod work;
+
+pub use reading::Past;
+
 use crate::companion::{Alone, Companion};
 use crate::error::{Error, Result};
 use crate::error_estimate;
-use crate::friction::newton::Work;
 use crate::model::Model;
 use crate::ports::Quantity;
-use crate::readout;
 use crate::record::record;
-use crate::state::{State, history_row, report};
+use crate::state::State;
 use crate::step;
 use crate::step_control;
 use crate::step_sizes::MOST_INTERNAL_STEPS;
@@ -42,19 +46,6 @@ impl Clone for Simulator {
             workspace: Workspace::new(&self.model),
         }
     }
-}
-
-/// One row of the recorded past of a contact node.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Past<'a> {
-    /// Time, s.
-    pub time: f64,
-    /// Slip rate, one value per tangential component, m/s.
-    pub slip_rate: &'a [f64],
-    /// Slip, m.
-    pub slip: &'a [f64],
-    /// Tangential stress on the body, Pa.
-    pub tangential_stress: &'a [f64],
 }
 
 impl Simulator {
@@ -243,131 +234,6 @@ impl Simulator {
         Ok(())
     }
 
-    /// Values of a port, by its reference, into `out` (of the port's length).
-    ///
-    /// # Errors
-    /// [`Error::Unknown`], [`Error::Length`].
-    pub fn get(&self, reference: u32, out: &mut [f64]) -> Result<()> {
-        let port = self.model.ports().get(reference)?;
-        if out.len() != port.len() {
-            return Err(Error::Length {
-                what: "values of the port",
-                expected: port.len(),
-                found: out.len(),
-            });
-        }
-        readout::read(&self.model, &self.state, port, out);
-        Ok(())
-    }
-
-    /// Values of a port, by its name.
-    ///
-    /// # Errors
-    /// [`Error::Unknown`].
-    pub fn get_by_name(&self, name: &str) -> Result<Vec<f64>> {
-        let port = self.model.ports().find(name)?;
-        let mut out = vec![0.0; port.len()];
-        readout::read(&self.model, &self.state, port, &mut out);
-        Ok(out)
-    }
-
-    /// Number of values of all outputs together.
-    pub fn output_len(&self) -> usize {
-        self.model.ports().output_len()
-    }
-
-    /// All outputs one after the other, in the order of their references.
-    ///
-    /// # Errors
-    /// [`Error::Length`].
-    pub fn get_outputs(&self, out: &mut [f64]) -> Result<()> {
-        if out.len() != self.output_len() {
-            return Err(Error::Length {
-                what: "outputs",
-                expected: self.output_len(),
-                found: out.len(),
-            });
-        }
-        let mut rest = out;
-        for port in self.model.ports().outputs() {
-            let (head, tail) = rest.split_at_mut(port.len());
-            readout::read(&self.model, &self.state, port, head);
-            rest = tail;
-        }
-        Ok(())
-    }
-
-    /// The recorded past of a contact node, oldest first: at most `history.capacity` internal steps.
-    ///
-    /// # Errors
-    /// [`Error::Unknown`] for a node beyond the last.
-    pub fn slip_history(&self, node: usize) -> Result<impl Iterator<Item = Past<'_>>> {
-        let contact = self.model.contact();
-        if node >= contact.node_count() {
-            return Err(Error::Unknown {
-                what: "contact node",
-                found: node.to_string(),
-            });
-        }
-        let (c, m) = (contact.components, contact.len());
-        let capacity = self.model.history_capacity() as u64;
-        let kept = self.state.recorded.min(capacity);
-        let row_len = history_row(m);
-        let history = &self.state.history;
-        Ok(
-            (self.state.recorded - kept..self.state.recorded).map(move |i| {
-                let at = (i % capacity) as usize * row_len;
-                let row = &history[at..at + row_len];
-                let part = |block: usize| &row[1 + block * m + node * c..][..c];
-                Past {
-                    time: row[0],
-                    slip_rate: part(0),
-                    slip: part(1),
-                    tangential_stress: part(2),
-                }
-            }),
-        )
-    }
-
-    /// A state of this model to save into; holds the state before initialization.
-    pub fn new_state(&self) -> State {
-        State::new(&self.model)
-    }
-
-    /// Copies the state into `to`, a state of the same model; allocates nothing.
-    ///
-    /// # Errors
-    /// [`Error::Fingerprint`] for the state of another model.
-    pub fn save(&self, to: &mut State) -> Result<()> {
-        to.copy_from(&self.state)
-    }
-
-    /// Makes a saved state the current one; allocates nothing. There is no step to take derivatives of afterwards.
-    ///
-    /// # Errors
-    /// [`Error::Fingerprint`] for the state of another model.
-    pub fn restore(&mut self, from: &State) -> Result<()> {
-        self.state.copy_from(from)?;
-        self.last_step = None;
-        Ok(())
-    }
-
-    /// The state as versioned, checksummed bytes.
-    pub fn to_bytes(&self) -> Vec<u8> {
-        self.state.to_bytes()
-    }
-
-    /// Continues from the bytes of a state of the same model; on failure the state stays. There is no step to take
-    /// derivatives of afterwards.
-    ///
-    /// # Errors
-    /// [`Error::Bytes`], [`Error::Fingerprint`].
-    pub fn restore_bytes(&mut self, bytes: &[u8]) -> Result<()> {
-        self.state.read_bytes(bytes)?;
-        self.last_step = None;
-        Ok(())
-    }
-
     /// Takes the last step once more, on the side and with a companion.
     ///
     /// # Errors
@@ -382,49 +248,5 @@ impl Simulator {
         self.trial.copy_present_from(&self.previous)?;
         let (trial, workspace) = (&mut self.trial, &mut self.workspace);
         step::advance(&self.model, trial, workspace, step, companion)
-    }
-
-    /// Most solutions of one internal step of the last communication step that the multiplicity test found (0 when it is
-    /// off), and the largest difference between them, m/s.
-    pub fn solutions(&self) -> (f64, f64) {
-        let report = &self.state.report;
-        (report[report::SOLUTIONS], report[report::SOLUTION_GAP])
-    }
-
-    /// Keeps the iterates of the fixed-point solver from now on; steps then allocate.
-    pub fn keep_iterates(&mut self) {
-        self.workspace.fixed_point.keep_trace();
-    }
-
-    /// Iterates of the last stage that the fixed-point solver solved: slip rates (m/s) and forces on the foundation (N).
-    /// Empty unless kept.
-    pub fn iterates(&self) -> impl Iterator<Item = (&[f64], &[f64])> {
-        self.workspace.fixed_point.iterates()
-    }
-
-    /// Work done so far by the default friction solver.
-    pub fn friction_work(&self) -> Work {
-        self.workspace.newton.work()
-    }
-
-    /// Internal steps since the start of the simulation; part of the state.
-    pub fn internal_steps(&self) -> u64 {
-        self.state.steps
-    }
-
-    /// Stages solved so far by this simulator, those of refused steps, error estimates and derivatives included.
-    pub fn stage_solves(&self) -> u64 {
-        self.workspace.stages.solves()
-    }
-
-    /// Pairs of internal steps that the step control has refused so far.
-    pub fn refused_pairs(&self) -> u64 {
-        let control = self.workspace.control.as_ref();
-        control.map_or(0, |control| control.refused)
-    }
-
-    /// Stage factorizations made so far: one per step size that was not among the last few.
-    pub fn factorizations(&self) -> u64 {
-        self.workspace.stages.factorizations
     }
 }

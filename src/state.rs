@@ -1,18 +1,14 @@
 //! The state: all that future steps depend on, and nothing else. Small, flat, compared and restored bit for bit.
-//!
-//! Bytes of a saved state: a frame (see `bytes`) of the counters and then the values.
 
-use crate::bytes::{Frame, HEADER, OVERHEAD, Reader};
+mod bytes;
+mod second;
+
+pub(crate) use second::Second;
+
 use crate::error::{Error, Result};
 use crate::friction::law::MAX_COEFFICIENTS;
 use crate::friction::linearisation::no_points;
 use crate::model::Model;
-
-const FRAME: Frame = Frame {
-    magic: *b"SLIPSTAT",
-    format: 2,
-    what: "saved state",
-};
 
 /// Where a simulation stands. Vectors over the contact go node by node, components inner.
 #[derive(Debug, Clone, PartialEq)]
@@ -63,18 +59,6 @@ pub struct State {
     pub(crate) second: Second,
     /// Ring of the last internal steps: time, slip rate, slip, tangential stress.
     pub(crate) history: Vec<f64>,
-}
-
-/// A second solution that goes along; the blocks have the meaning of those of the same names in the state.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub(crate) struct Second {
-    pub displacement: Vec<f64>,
-    pub velocity: Vec<f64>,
-    pub slip_rate: Vec<f64>,
-    pub force: Vec<f64>,
-    pub accumulated_slip: Vec<f64>,
-    pub output_velocity: Vec<f64>,
-    pub linearisation: Vec<f64>,
 }
 
 /// Places in `State::energy`.
@@ -171,38 +155,6 @@ impl State {
         State {
             history: Vec::new(),
             ..State::new(model)
-        }
-    }
-
-    /// Exchanges the main solution and the second one.
-    pub(crate) fn swap_second(&mut self) {
-        let second = &mut self.second;
-        for (a, b) in [
-            (&mut self.displacement, &mut second.displacement),
-            (&mut self.velocity, &mut second.velocity),
-            (&mut self.slip_rate, &mut second.slip_rate),
-            (&mut self.force, &mut second.force),
-            (&mut self.accumulated_slip, &mut second.accumulated_slip),
-            (&mut self.output_velocity, &mut second.output_velocity),
-            (&mut self.linearisation, &mut second.linearisation),
-        ] {
-            std::mem::swap(a, b);
-        }
-    }
-
-    /// Makes the second solution the same as the main one.
-    pub(crate) fn copy_to_second(&mut self) {
-        let second = &mut self.second;
-        for (to, from) in [
-            (&mut second.displacement, &self.displacement),
-            (&mut second.velocity, &self.velocity),
-            (&mut second.slip_rate, &self.slip_rate),
-            (&mut second.force, &self.force),
-            (&mut second.accumulated_slip, &self.accumulated_slip),
-            (&mut second.output_velocity, &self.output_velocity),
-            (&mut second.linearisation, &self.linearisation),
-        ] {
-            to.copy_from_slice(from);
         }
     }
 
@@ -373,58 +325,6 @@ impl State {
             *out = *value;
         }
         out
-    }
-
-    /// Length of [`State::to_bytes`].
-    pub fn byte_len(&self) -> usize {
-        OVERHEAD + 8 * (COUNTERS + self.len())
-    }
-
-    /// Versioned, checksummed bytes; they fit every simulator of a model with the same fingerprint.
-    pub fn to_bytes(&self) -> Vec<u8> {
-        let mut bytes = vec![0; self.byte_len()];
-        self.write_bytes(&mut bytes);
-        bytes
-    }
-
-    /// Writes the bytes of [`State::to_bytes`] without allocating; `out` has [`State::byte_len`] bytes.
-    pub(crate) fn write_bytes(&self, out: &mut [u8]) {
-        let values = self.blocks().into_iter().flatten().map(|v| v.to_bits());
-        let words = self.counters().into_iter().chain(values);
-        for (to, word) in out[HEADER..].chunks_exact_mut(8).zip(words) {
-            to.copy_from_slice(&word.to_le_bytes());
-        }
-        FRAME.seal(self.fingerprint, out);
-    }
-
-    /// Reads bytes into this state; on failure it stays as it was.
-    ///
-    /// # Errors
-    /// [`Error::Bytes`] for bytes that are not a state of this format, truncated or damaged; [`Error::Fingerprint`] for
-    /// the state of another model.
-    pub(crate) fn read_bytes(&mut self, bytes: &[u8]) -> Result<()> {
-        let (fingerprint, payload) = FRAME.open(bytes)?;
-        self.check_fingerprint(fingerprint)?;
-        if bytes.len() != self.byte_len() {
-            return Err(Reader::refusal(format!(
-                "saved state: expected {} bytes, found {}",
-                self.byte_len(),
-                bytes.len()
-            )));
-        }
-        let mut reader = Reader::new(payload);
-        let mut counters = [0; COUNTERS];
-        for counter in &mut counters {
-            *counter = reader.word()?;
-        }
-        if !f64::from_bits(counters[0]).is_finite() {
-            return Err(Reader::refusal("saved state: its time is not finite"));
-        }
-        self.set_counters(counters);
-        for value in self.blocks_mut().into_iter().flatten() {
-            *value = reader.float()?;
-        }
-        Ok(())
     }
 }
 

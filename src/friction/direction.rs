@@ -15,30 +15,19 @@
 //!
 //! A step `K_0^-1 rhs` also tells `S step = rhs - D_0 step` on the free nodes without a product with S.
 
+use super::attempts::Attempts;
 use super::last::Last;
 use super::law::FrictionLaw;
 use super::linearisation::{Factor, FactorCache, Linearisation};
-use super::plane::{self, Motion, Seen};
-use super::problem::{ContactProblem, Point, norm};
+use super::plane::{self, Motion};
+use super::point::Point;
+use super::problem::ContactProblem;
 use super::second_variation::{NOTICEABLE, SecondVariation, term_capacity};
 use super::small::{SmallSystem, Term};
+use super::space;
 use crate::linalg::{DenseCholesky, column, lanes, multiply};
 use pulp::Simd;
 
-/// What is tried in turn until the matrix is positive definite: the share of the weakening of the bound, and whether nodes
-/// that stick are freed, which makes the body softer. Just above where the matrix would be singular, steps are long along the
-/// shape in which W is not convex; no weakening at all is the frozen-bound problem.
-type Attempts = &'static [(f64, bool)];
-const IN_PLANE: Attempts = &[
-    (1.0, true),
-    (1.0, false),
-    (0.95, false),
-    (0.8, false),
-    (0.0, true),
-];
-/// Curvatures across the slip direction change so much that the matrix is made anew in nearly every step: nodes freed for later
-/// would be terms in vain.
-const IN_SPACE: Attempts = &[(1.0, false), (0.95, false), (0.8, false), (0.0, false)];
 /// Nodes up to which one product with S costs less than a dot product for every node that is not free.
 const SMALL: usize = 64;
 /// Slow steps in a row for which the matrix is made anew even if nodes have changed between stick and slip meanwhile.
@@ -59,8 +48,6 @@ pub struct Direction {
     /// Whether the matrix is above the second variation of W.
     pub is_majorised: bool,
     attempts: Attempts,
-    /// Which of them the matrix is.
-    attempt: usize,
     /// Whether the point of linearisation is the present one.
     pub is_new: bool,
     /// Solves so far.
@@ -86,8 +73,7 @@ impl Direction {
             forces: vec![0.0; len],
             has_forces: false,
             is_majorised: false,
-            attempts: if len == nodes { IN_PLANE } else { IN_SPACE },
-            attempt: 0,
+            attempts: Attempts::new(len / nodes),
             is_new: false,
             solves: 0,
             last: Last::new(len),
@@ -112,7 +98,7 @@ impl Direction {
         cache: &mut FactorCache,
         slow: u32,
     ) -> bool {
-        (self.is_majorised, self.is_new) = (self.weakening() < 1.0, false);
+        (self.is_majorised, self.is_new) = (self.attempts.is_majorised(), false);
         std::mem::swap(&mut self.normal, &mut self.last.normal);
         std::mem::swap(&mut self.gradient, &mut self.last.gradient);
         let seen = if problem.components == 1 {
@@ -125,7 +111,9 @@ impl Direction {
             };
             plane::motion(simd, point, before, out)
         } else {
-            self.motion_in_space(problem, point)
+            let found = space::motion(problem, point, &mut self.normal, &mut self.gradient);
+            self.last
+                .compare(problem.components, found, &self.normal, &self.gradient)
         };
         self.last.look(&seen);
         // a change between stick and slip shows in the residual whatever the matrix
@@ -153,44 +141,6 @@ impl Direction {
         false
     }
 
-    /// Slip directions and gradient of W of what moves, and what has changed since the last step.
-    #[inline(never)]
-    fn motion_in_space<L: FrictionLaw>(
-        &mut self,
-        problem: &ContactProblem<L>,
-        point: &Point,
-    ) -> Seen {
-        let (mut moves, mut starts) = (false, false);
-        for node in 0..problem.nodes() {
-            let (rate, bound) = (point.rates[node], point.law.bound[node]);
-            let at = problem.at(node);
-            let (w, y) = (&point.w[at.clone()], &point.y[at.clone()]);
-            let (normal, gradient) = (&mut self.normal[at.clone()], &mut self.gradient[at]);
-            let pull = norm(y);
-            if rate == 0.0 && pull <= bound {
-                normal.fill(0.0);
-                gradient.fill(0.0);
-                continue;
-            }
-            moves = true;
-            starts |= rate == 0.0;
-            // a node at rest starts against the imbalance
-            let (from, length) = if rate > 0.0 { (w, rate) } else { (y, -pull) };
-            for (i, from) in from.iter().enumerate() {
-                normal[i] = from / length;
-                gradient[i] = y[i] + bound * normal[i];
-            }
-        }
-        let (normal, gradient) = (&self.normal, &self.gradient);
-        self.last
-            .compare(problem.components, (moves, starts), normal, gradient)
-    }
-
-    /// Share of the weakening of the bound that is in the matrix.
-    fn weakening(&self) -> f64 {
-        self.attempts[self.attempt].0
-    }
-
     fn moves<L: FrictionLaw>(&self, problem: &ContactProblem<L>, node: usize) -> bool {
         self.normal[problem.at(node)].iter().any(|n| *n != 0.0)
     }
@@ -205,28 +155,27 @@ impl Direction {
         cache: &mut FactorCache,
     ) -> bool {
         // again at the same point, with fewer nodes that move: what was indefinite with all of them is not tried again
-        let first = if self.is_new {
-            self.attempt
-        } else {
-            let whole = self.attempts.iter().rposition(|(share, _)| *share == 1.0);
-            self.attempt.min(whole.unwrap_or(0))
-        };
+        if !self.is_new {
+            self.attempts.begin_anew();
+        }
         self.is_new = true;
-        for (attempt, (weakening, frees_near)) in self.attempts.iter().enumerate().skip(first) {
-            self.attempt = attempt;
-            self.is_majorised = *weakening < 1.0;
+        loop {
+            let attempt = self.attempts.current();
+            self.is_majorised = self.attempts.is_majorised();
             let present = SecondVariation {
                 problem,
                 point,
                 normal: &self.normal,
-                weakening: *weakening,
+                weakening: attempt.weakening,
             };
-            present.linearise(at, *frees_near);
+            present.linearise(at, attempt.frees_near);
             if cache.prepare(problem, at) {
                 return true;
             }
+            if !self.attempts.advance() {
+                return false;
+            }
         }
-        false
     }
 
     /// The terms by which the matrix wanted differs from the one at hand; false when they are too many or a node moves
@@ -242,8 +191,9 @@ impl Direction {
         self.terms.clear();
         if problem.components == 1 && !self.is_majorised {
             let (normal, slope) = (&self.normal, &point.law.slope);
+            let at_hand = (&*factor.blocks, &*factor.yielding);
             let differences = &mut self.differences;
-            let largest = plane::differences(simd, normal, slope, factor, differences);
+            let largest = plane::differences(simd, normal, slope, at_hand, differences);
             // NaN is a difference
             if largest <= NOTICEABLE {
                 return true;
@@ -255,7 +205,7 @@ impl Direction {
             problem,
             point,
             normal: &self.normal,
-            weakening: self.weakening(),
+            weakening: self.attempts.current().weakening,
         };
         wanted.list_terms(factor, &self.differences, &mut self.terms)
     }
@@ -352,7 +302,7 @@ impl Direction {
 
     /// A solve begins.
     pub fn begin(&mut self) {
-        self.attempt = 0;
+        self.attempts.begin();
         self.last.forget();
     }
 

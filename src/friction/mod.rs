@@ -15,7 +15,9 @@
 //!
 //! which is coercive, so one exists whatever the law and the step. Nothing here knows the body, the mesh or the time.
 
+mod attempts;
 mod direction;
+pub mod evaluation;
 pub mod fixed_point;
 mod last;
 pub mod law;
@@ -23,11 +25,14 @@ pub mod linearisation;
 pub mod multiplicity;
 pub mod newton;
 mod plane;
+pub mod point;
 pub mod problem;
 mod second_variation;
 mod small;
+mod space;
 mod sweep;
 pub(crate) mod tangent;
 
-pub use law::{FrictionLaw, Law, SlipPath};
+pub use evaluation::SlipPath;
+pub use law::{FrictionLaw, Law};
 pub use problem::ContactProblem;

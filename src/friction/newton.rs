@@ -26,7 +26,8 @@ use super::direction::{Direction, PATIENCE};
 use super::law::FrictionLaw;
 use super::linearisation::{FactorCache, Linearisation};
 use super::plane;
-use super::problem::{ContactProblem, Judgement, Point};
+use super::point::Point;
+use super::problem::{ContactProblem, Judgement};
 use super::sweep::frozen_bound_sweep;
 use pulp::{Arch, Scalar, Simd, WithSimd};
 

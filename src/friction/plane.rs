@@ -1,8 +1,7 @@
 //! The loops over the contact that run at every iteration with one tangential component per node, vectorized: no branches,
 //! what differs between nodes that stick, slip and start is selected.
 
-use super::linearisation::Factor;
-use super::problem::Point;
+use super::point::Point;
 use crate::linalg::lanes::{larger, map, visit};
 use pulp::Simd;
 
@@ -132,21 +131,21 @@ pub fn motion<S: Simd>(
     }
 }
 
-/// How much the matrix wanted differs from the one at hand at every node, as a share of what the node resists with: above 1
-/// where a free node sticks or one that is not free moves. Returns the largest.
+/// How much the slopes wanted differ at every node from those in the matrix at hand, as a share of what the node resists with;
+/// above 1 where a free node sticks or one that is not free, which does not yield, moves. Returns the largest.
 #[inline(always)]
 pub fn differences<S: Simd>(
     simd: S,
     normal: &[f64],
     slope: &[f64],
-    factor: &Factor,
+    (at_hand, yielding): (&[f64], &[f64]),
     out: &mut [f64],
 ) -> f64 {
     let (zero, much) = (simd.splat_f64s(0.0), simd.splat_f64s(2.0));
     let mut largest = zero;
     map(
         simd,
-        [normal, slope, &factor.blocks, &factor.yielding],
+        [normal, slope, at_hand, yielding],
         [out],
         #[inline(always)]
         |[normal, wanted, at_hand, yielding]| {

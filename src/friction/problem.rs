@@ -1,7 +1,9 @@
 //! The contact problem of one stage, and what holds at a trial point: forces, residual, step energy.
 
-use super::law::{Evaluation, FrictionLaw, NodalLaw, Nodes, SlipPath};
+use super::evaluation::{Evaluation, Nodes, SlipPath};
+use super::law::FrictionLaw;
 use super::plane;
+use super::point::Point;
 use crate::linalg::lanes::visit;
 use crate::linalg::{length, multiply};
 use faer::MatRef;
@@ -23,32 +25,6 @@ pub struct ContactProblem<'a, L> {
     pub slip_base: &'a [f64],
     /// Implicit weight of the stage, s: accumulated slip grows by this times the slip rate.
     pub theta_k: f64,
-}
-
-/// Velocities of the contact and all that follows from them.
-pub struct Point {
-    /// Tangential velocities w.
-    pub w: Vec<f64>,
-    /// `S w - r`: minus the contact forces Lambda that the body asks for.
-    pub y: Vec<f64>,
-    /// Magnitude of the slip rate, one per node.
-    pub rates: Vec<f64>,
-    /// The law at every node, times the nodal weight.
-    pub law: NodalLaw,
-    /// Whether `y` comes from a product with S, and not from that of another point and the forces of the step to here.
-    pub is_exact: bool,
-}
-
-impl Point {
-    pub fn new(nodes: usize, len: usize) -> Point {
-        Point {
-            w: vec![0.0; len],
-            y: vec![0.0; len],
-            rates: vec![0.0; nodes],
-            law: NodalLaw::new(nodes),
-            is_exact: false,
-        }
-    }
 }
 
 /// Where the friction law is violated most.

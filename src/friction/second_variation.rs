@@ -12,7 +12,8 @@
 
 use super::law::FrictionLaw;
 use super::linearisation::{Factor, Linearisation, block_len};
-use super::problem::{ContactProblem, Point, norm};
+use super::point::Point;
+use super::problem::{ContactProblem, norm};
 use super::small::{Term, symmetric_terms};
 
 /// A difference in curvature below this share of what the node resists with is left to the iteration.

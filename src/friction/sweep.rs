@@ -1,7 +1,8 @@
 //! The net under the Newton steps: node by node minimisation of W, which can never increase it.
 
 use super::law::FrictionLaw;
-use super::problem::{ContactProblem, Point, norm};
+use super::point::Point;
+use super::problem::{ContactProblem, norm};
 use crate::linalg::column;
 
 /// One sweep over the nodes, each minimising W with its bound frozen (or, where the bound grows with the rate,

@@ -14,7 +14,6 @@
 //! ```
 
 use super::basis::Basis;
-use super::reduction::TRUNCATION_SHARES;
 use super::shifts::shift;
 use super::transfer::{Sample, Sampler};
 use faer::linalg::solvers::Solve;
@@ -40,14 +39,20 @@ pub struct Depth {
 
 impl Depth {
     /// For a body with rates in the interval. What loads do to the contact is asked for to a smaller error, by the factor
-    /// `emphasis`: that error is the mean of what is missed of a load and, by truncation, of the contact forces.
-    pub fn new([slowest, fastest]: [f64; 2], tolerance: f64, emphasis: f64) -> Depth {
+    /// `emphasis`: that error is the mean of what is missed of a load and, by truncation, of the contact forces, which is allowed
+    /// the share `truncation` of the tolerance.
+    pub fn new(
+        [slowest, fastest]: [f64; 2],
+        tolerance: f64,
+        emphasis: f64,
+        truncation: f64,
+    ) -> Depth {
         let root = (fastest / slowest).sqrt();
         // what a response leaves of the error of those before it
         let left = (root - 1.0) / (root + 1.0);
         let depth = |missed: f64| (0.5 * (missed * tolerance).ln() / left.ln()).ceil();
         let smooth = depth(SHARE);
-        let loads = depth(SHARE.min(1.0 / (TRUNCATION_SHARES[0] * emphasis * emphasis)));
+        let loads = depth(SHARE.min(1.0 / (truncation * emphasis * emphasis)));
         let allowed = |depth: f64| depth.clamp(1.0, MOST as f64) as usize;
         Depth {
             loads: allowed(loads),
@@ -198,7 +203,7 @@ mod tests {
         let middle = sampler.sample(0.8).unwrap();
         let smooth = Mat::from_fn(ports.contact_len, 2, |i, j| ((i * (j + 1)) as f64).cos());
         let forces = ports.forces(1, &smooth);
-        let depth = Depth::new([0.7268, 1.3758], 1e-8, 1000.0);
+        let depth = Depth::new([0.7268, 1.3758], 1e-8, 1000.0, 0.1);
         let fields = Fields::new(&mut sampler, &middle, (forces, 1), depth);
         assert_eq!(fields.len(), 9 + 2 * 6);
 
@@ -220,7 +225,7 @@ mod tests {
                 loads,
                 smooth,
                 holds_all,
-            } = Depth::new(interval, 1e-8, emphasis);
+            } = Depth::new(interval, 1e-8, emphasis, 0.1);
             (loads, smooth, holds_all)
         };
         assert_eq!(depth([0.7268, 1.3758], 1.0), (6, 6, true));

@@ -20,6 +20,7 @@ mod shifts;
 mod synthesis;
 mod transfer;
 mod turn;
+mod zolotarev;
 
 pub use body_model::{BodyModel, Scratch, Stage, StageCache};
 pub use compile::{Compilation, compile};

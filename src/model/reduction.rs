@@ -29,7 +29,7 @@ const LOAD_EMPHASIS: f64 = 1000.0;
 const LOAD_WEIGHT: f64 = 5.0;
 /// Shares of the tolerance that dropping nearly dependent responses may use, tried in this order: friction that weakens
 /// magnifies errors of the body, and the larger shares are for tolerances at the limit of rounding.
-pub const TRUNCATION_SHARES: [f64; 4] = [0.1, 0.02, 0.3, 1.0];
+const TRUNCATION_SHARES: [f64; 4] = [0.1, 0.02, 0.3, 1.0];
 /// An outlying rate that changes the transfer matrix by more than this share, however many responses are kept, is no error of
 /// the samples, but one upstream.
 const OUTLIER: f64 = 1e-2;
@@ -89,7 +89,7 @@ pub fn reduce(body: &Body, cholesky: &SparseCholesky, fidelity: &Fidelity) -> Re
     };
     let rounding = 2.0 * unit * body.len() as f64;
     let emphasis = (tolerance / rounding).clamp(1.0, LOAD_EMPHASIS);
-    let depth = Depth::new(interval, tolerance, emphasis);
+    let depth = Depth::new(interval, tolerance, emphasis, TRUNCATION_SHARES[0]);
     let (weights, emphasis) = (of_loads(LOAD_WEIGHT), of_loads(emphasis));
     let held_loads = held_loads(loads);
     let mut search = Search {
@@ -162,7 +162,9 @@ impl Search {
                 continue;
             }
             let ports = keep(&mut modes, &sampled.scaling, self.precision);
-            let achieved = sampled.error(&modes)?.max(f64::EPSILON);
+            let achieved = sampled
+                .error(&modes.rates, modes.ports.as_ref())?
+                .max(f64::EPSILON);
             if achieved <= self.tolerance {
                 return Ok(Some(Truncated {
                     modes,

@@ -5,7 +5,6 @@
 //! slips. A load or probe of own response h and contact response c is right to `|L^-1 (c_r - c)| / sqrt(h)`, times its emphasis.
 
 use super::fields::{Depth, Fields};
-use super::galerkin::Modes;
 use super::reduced::add_response;
 use super::scaling::Scaling;
 use super::shifts::{Shifts, shift};
@@ -14,7 +13,7 @@ use super::turn::Turn;
 use crate::error::Result;
 use crate::linalg::{mirror_lower, symmetric_eigenvalues};
 use faer::linalg::triangular_solve::solve_upper_triangular_in_place;
-use faer::{Mat, Par};
+use faer::{Mat, MatRef, Par};
 
 /// Smooth contact forces whose responses are fields: the rounding errors of samples are largest where the whole body moves.
 const SMOOTH_DIRECTIONS: usize = 3;
@@ -85,21 +84,25 @@ impl<'a> Sampled<'a> {
         })
     }
 
-    /// Largest error of the modes at the samples that are not shifts: see the module.
-    pub fn error(&self, modes: &Modes) -> Result<f64> {
+    /// Largest error of modes with these rates and scaled port velocities (states x ports) at the samples that are not shifts: see
+    /// the module.
+    ///
+    /// # Errors
+    /// [`crate::Error::Body`] when an eigenvalue cannot be computed.
+    pub fn error(&self, rates: &[f64], ports: MatRef<f64>) -> Result<f64> {
         let mut worst: f64 = 0.0;
         for &at in &self.shifts.tests {
-            worst = worst.max(self.error_at(modes, at)?);
+            worst = worst.max(self.error_at(rates, ports, at)?);
         }
         Ok(worst)
     }
 
-    fn error_at(&self, modes: &Modes, at: usize) -> Result<f64> {
+    fn error_at(&self, rates: &[f64], ports: MatRef<f64>, at: usize) -> Result<f64> {
         let (exact, z) = (&self.transfer[at], &self.factors[at]);
         let (m, contact) = (exact.nrows(), z.nrows());
         let mut off = exact.clone();
-        let (to, ports) = (off.as_mut(), modes.ports.as_ref());
-        add_response(to, -1.0, ports, &modes.rates, shift(self.shifts.angles[at]));
+        let at = shift(self.shifts.angles[at]);
+        add_response(off.as_mut(), -1.0, ports, rates, at);
         mirror_lower(off.as_mut());
 
         let on_contact = off.as_mut().subrows_mut(0, contact);

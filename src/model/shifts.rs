@@ -1,13 +1,10 @@
 //! Where the transfer matrix is sampled, decided before any factorization from the interval of relaxation rates alone.
 //!
 //! Every entry of the transfer matrix is `int dmu(r) / (c + d r)`, `c = cos phi`, `d = sin phi`, over the rates that the
-//! material allows. Positive shifts `s = c / d` on one side and rates on the other are the two sets of Zolotarev's third
-//! problem: with `x = (s - 1) / (s + 1)` (rates relative to their geometric mean, the slowest one q) they are `[-1, 1]` and what lies
-//! beyond `1 / kappa`, `kappa = (1 - q) / (1 + q)`. Samples stand at `x = sn(u, kappa)`, `2 K + 1` of them even in u over
-//! the quarter periods: the odd ones are Zolotarev's zeros and become the shifts of the Galerkin projection, the even ones, among them
-//! the two ends, are where its error is largest, and test it. The derivative by the angle at the shifts comes from all S samples;
-//! where it asks for more, a few stand beyond the two ends, where `c A + d B` is still positive (differences of samples on one
-//! side only would magnify their rounding errors). With S poles inside the interval of rates,
+//! material allows. Of Zolotarev's points (see `zolotarev`) the odd ones, his zeros, are the shifts of the Galerkin projection;
+//! the even ones, among them the two ends, are where its error is largest, and test it. The derivative by the angle at the
+//! shifts comes from all S samples; where it asks for more, a few stand beyond the two ends, where `c A + d B` is still positive
+//! (differences of samples on one side only would magnify their rounding errors). With S poles inside the interval of rates,
 //!
 //! ```text
 //! h(phi) prod_l (c + d r_l) = sum_j q_j prod_{k != j} sin(phi - phi_k) / sin(phi_j - phi_k)
@@ -15,9 +12,8 @@
 //!
 //! interpolates `h` with an error that falls geometrically in `S` (rational interpolation with prescribed poles; the
 //! narrower the interval, the faster: about 20 times per angle for the paper's material, twice that order for the projection).
-//!
-//! The optimal points: Beckermann and Townsend, SIAM Review 61 (2019); `sn` by descending Landen transformations.
 
+use super::zolotarev::{angle_of, modulus, slowest, spread, zolotarev_angles};
 use faer::{Col, Mat, Side};
 use std::f64::consts::FRAC_PI_2;
 
@@ -153,66 +149,6 @@ impl Shifts {
     }
 }
 
-/// Zolotarev's zeros (odd) and the extremes between them (even) for `count` zeros, ascending from 0 to a quarter turn.
-fn zolotarev_angles(interval: [f64; 2], count: usize) -> Vec<f64> {
-    let last = 2 * count;
-    (0..=last)
-        .map(|i| match i {
-            0 => 0.0,
-            i if i == last => FRAC_PI_2,
-            i => angle_of(sine_amplitude(
-                slowest(interval),
-                1.0 - i as f64 / count as f64,
-            )),
-        })
-        .collect()
-}
-
-/// Angle of `x = (s - 1) / (s + 1)`, `s = c / d`.
-fn angle_of(x: f64) -> f64 {
-    (1.0 - x).atan2(1.0 + x)
-}
-
-/// `count` rates of the interval: Zolotarev's poles.
-fn spread(interval: [f64; 2], count: usize) -> Vec<f64> {
-    let slowest = slowest(interval);
-    let kappa = modulus(slowest);
-    let mean = (interval[0] * interval[1]).sqrt();
-    (0..count)
-        .map(|i| {
-            let t = (2 * i + 1) as f64 / count as f64 - 1.0;
-            let x = kappa * sine_amplitude(slowest, t);
-            mean * (1.0 + x) / (1.0 - x)
-        })
-        .collect()
-}
-
-/// Slowest rate relative to the geometric mean.
-fn slowest([low, high]: [f64; 2]) -> f64 {
-    (low / high).sqrt()
-}
-
-fn modulus(slowest: f64) -> f64 {
-    (1.0 - slowest) / (1.0 + slowest)
-}
-
-/// `sn(t K, kappa)` with the quarter period K and the modulus of [`modulus`], for t in [-1, 1].
-fn sine_amplitude(slowest: f64, t: f64) -> f64 {
-    // the complementary modulus, free of cancellation
-    let (mut a, mut b) = (1.0_f64, 2.0 * slowest.sqrt() / (1.0 + slowest));
-    let mut ratios = Vec::new();
-    while (a - b).abs() > f64::EPSILON * a && ratios.len() < 40 {
-        let half_gap = 0.5 * (a - b);
-        (a, b) = (0.5 * (a + b), (a * b).sqrt());
-        ratios.push(half_gap / a);
-    }
-    let mut phase = 2.0_f64.powi(ratios.len() as i32) * FRAC_PI_2 * t;
-    for ratio in ratios.iter().rev() {
-        phase = 0.5 * (phase + (ratio * phase.sin()).asin());
-    }
-    phase.sin()
-}
-
 /// Weights of `h'(angles[i])` from the values of `h` at the angles, exact for combinations of `1 / (c + d pole)`.
 fn derivative_weights(angles: &[f64], poles: &[f64], i: usize) -> Vec<f64> {
     let sine = |a: usize, b: usize| (angles[a] - angles[b]).sin();
@@ -321,18 +257,6 @@ mod tests {
         assert_eq!(count([1e-9, 1e9], 1e-12), None);
     }
 
-    /// Abramowitz and Stegun, Table 17.1 and 16.5.2: `sn(K / 2) = (1 + k')^(-1/2)`, `sn(K) = 1`.
-    #[test]
-    fn the_sine_amplitude_has_its_half_period_value() {
-        for slowest in [1.0, 0.7, 0.1, 1e-4] {
-            let complementary = 2.0 * f64::sqrt(slowest) / (1.0 + slowest);
-            let half = 1.0 / (1.0 + complementary).sqrt();
-            assert!((sine_amplitude(slowest, 0.5) - half).abs() < 1e-14);
-            assert!((sine_amplitude(slowest, 1.0) - 1.0).abs() < 1e-14);
-            assert_eq!(sine_amplitude(slowest, 0.0), 0.0);
-        }
-    }
-
     #[test]
     fn outer_samples_sharpen_the_derivatives() {
         for tolerance in [1e-4, 1e-6, 1e-8, 1e-9] {
@@ -347,16 +271,6 @@ mod tests {
             for angle in &shifts.angles {
                 assert!(INTERVAL.iter().all(|r| angle.cos() + angle.sin() * r > 0.3));
             }
-        }
-    }
-
-    #[test]
-    fn poles_are_rates_of_the_interval() {
-        for interval in [INTERVAL, [1.0, 1.0], [1e-3, 1e3]] {
-            let poles = spread(interval, 9);
-            let inside =
-                |r: &f64| *r >= interval[0] * (1.0 - 1e-12) && *r <= interval[1] * (1.0 + 1e-12);
-            assert!(poles.iter().all(inside), "{poles:?}");
         }
     }
 

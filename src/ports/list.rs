@@ -1,0 +1,248 @@
+//! The list of the ports: loads, contact, work-conjugates and probes, energies and solver, coefficients.
+
+use super::{Causality, Port, Ports, Quantity, Shapes};
+
+impl Ports {
+    pub(crate) fn new(shapes: &Shapes) -> Ports {
+        let mut ports = Ports { list: Vec::new() };
+        ports.add_loads(shapes);
+        ports.add_contact(shapes);
+        ports.add_conjugates_and_probes(shapes);
+        ports.add_accounts(shapes);
+        ports.add_coefficients(shapes);
+        ports
+    }
+
+    fn add(
+        &mut self,
+        name: impl Into<String>,
+        unit: &'static str,
+        causality: Causality,
+        shape: &[usize],
+        quantity: Quantity,
+        description: impl Into<String>,
+    ) {
+        self.list.push(Port {
+            reference: self.list.len() as u32,
+            name: name.into(),
+            unit,
+            causality,
+            shape: shape.to_vec(),
+            quantity,
+            description: description.into(),
+        });
+    }
+
+    fn add_loads(&mut self, shapes: &Shapes) {
+        for (i, (name, unit)) in shapes.loads.iter().enumerate() {
+            let text = "Intensity of the load at the end of the next step.";
+            self.add(name, unit, Causality::Input, &[], Quantity::Load(i), text);
+        }
+    }
+
+    fn add_contact(&mut self, shapes: &Shapes) {
+        let field: &[usize] = if shapes.components == 1 {
+            &[shapes.nodes]
+        } else {
+            &[shapes.nodes, shapes.components]
+        };
+        let nodal = &[shapes.nodes];
+        let total: &[usize] = if shapes.components == 1 {
+            &[]
+        } else {
+            &[shapes.components]
+        };
+        use Quantity::*;
+        for (name, unit, shape, quantity, text) in [
+            (
+                "tangential_stress",
+                "Pa",
+                field,
+                TangentialStress,
+                "Tangential stress on the body; opposes the slip rate.",
+            ),
+            (
+                "slip_rate",
+                "m/s",
+                field,
+                SlipRate,
+                "Tangential velocity of the body relative to the foundation.",
+            ),
+            (
+                "slip",
+                "m",
+                field,
+                Slip,
+                "Tangential displacement of the body relative to the foundation.",
+            ),
+            (
+                "accumulated_slip",
+                "m",
+                nodal,
+                AccumulatedSlip,
+                "Integral of the magnitude of the slip rate over time.",
+            ),
+            (
+                "stick",
+                "1",
+                nodal,
+                Stick,
+                "1 where the node sticks, 0 where it slips.",
+            ),
+            (
+                "force",
+                "N",
+                total,
+                ContactForce,
+                "Total tangential force of the foundation on the body.",
+            ),
+            (
+                "max_slip_rate",
+                "m/s",
+                &[],
+                MaxSlipRate,
+                "Largest magnitude of the slip rate.",
+            ),
+            (
+                "stick_fraction",
+                "1",
+                &[],
+                StickFraction,
+                "Share of the contact area that sticks.",
+            ),
+        ] {
+            let name = format!("contact.{name}");
+            self.add(name, unit, Causality::Output, shape, quantity, text);
+        }
+    }
+
+    fn add_conjugates_and_probes(&mut self, shapes: &Shapes) {
+        use Causality::Output;
+        for (i, (name, _)) in shapes.loads.iter().enumerate() {
+            let text = "of the loaded part along the load direction; times the intensity and the measure of the part it is the";
+            self.add(
+                format!("{name}.displacement"),
+                "m",
+                Output,
+                &[],
+                Quantity::LoadDisplacement(i),
+                format!("Mean displacement {text} work."),
+            );
+            self.add(
+                format!("{name}.velocity"),
+                "m/s",
+                Output,
+                &[],
+                Quantity::LoadVelocity(i),
+                format!("Mean velocity {text} power."),
+            );
+        }
+        let vector = &[shapes.dimension];
+        for (i, name) in shapes.probes.iter().enumerate() {
+            self.add(
+                format!("{name}.displacement"),
+                "m",
+                Output,
+                vector,
+                Quantity::ProbeDisplacement(i),
+                "Displacement of the point along x, y (and z).",
+            );
+            self.add(
+                format!("{name}.velocity"),
+                "m/s",
+                Output,
+                vector,
+                Quantity::ProbeVelocity(i),
+                "Velocity of the point along x, y (and z).",
+            );
+        }
+    }
+
+    fn add_accounts(&mut self, shapes: &Shapes) {
+        use Quantity::*;
+        for (name, unit, quantity, text) in [
+            (
+                "energy.external_work",
+                "J",
+                ExternalWork,
+                "Work of the loads since the start.",
+            ),
+            (
+                "energy.elastic",
+                "J",
+                ElasticEnergy,
+                "Elastic energy stored.",
+            ),
+            (
+                "energy.viscous_dissipation",
+                "J",
+                ViscousDissipation,
+                "Energy dissipated by the viscosity since the start.",
+            ),
+            (
+                "energy.friction_dissipation",
+                "J",
+                FrictionDissipation,
+                "Energy dissipated by friction since the start.",
+            ),
+            (
+                "energy.balance_error",
+                "J",
+                BalanceError,
+                "External work less the three others: rounding for the trapezoid with a consistent start, the numerical \
+                 dissipation of the scheme otherwise.",
+            ),
+            (
+                "solver.iterations",
+                "1",
+                Iterations,
+                "Friction iterations of the last communication step, those of refused steps and of the error estimate included.",
+            ),
+            (
+                "solver.residual",
+                "1",
+                Residual,
+                "Largest relative residual of the friction law in the last communication step.",
+            ),
+            (
+                "solver.solutions",
+                "1",
+                Solutions,
+                "Most solutions of one internal step found by the multiplicity test; 0 when it is off.",
+            ),
+            (
+                "solver.solution_gap",
+                "m/s",
+                SolutionGap,
+                "Largest difference in slip rate between them.",
+            ),
+        ] {
+            self.add(name, unit, Causality::Output, &[], quantity, text);
+        }
+        if shapes.has_error_estimate {
+            self.add(
+                "solver.error_estimate",
+                "1",
+                Causality::Output,
+                &[],
+                ErrorEstimate,
+                "Estimated error in time of the slip rate, accumulated since the start: discrete L2 norm over the contact, \
+                 relative to the largest such norm of the slip rate so far. No bound.",
+            );
+        }
+    }
+
+    fn add_coefficients(&mut self, shapes: &Shapes) {
+        let names = shapes.law.coefficient_names();
+        for (i, (name, unit)) in names.iter().zip(shapes.law.coefficient_units()).enumerate() {
+            self.add(
+                format!("contact.friction.{name}"),
+                unit,
+                Causality::Parameter,
+                &[],
+                Quantity::Coefficient(i),
+                "Coefficient of the friction law; may change between steps.",
+            );
+        }
+    }
+}

@@ -1,0 +1,51 @@
+//! What a simulator tells about its solver: solutions found, iterates, work done.
+
+use super::Simulator;
+use crate::friction::newton::Work;
+use crate::state::report;
+
+impl Simulator {
+    /// Most solutions of one internal step of the last communication step that the multiplicity test found (0 when it is
+    /// off), and the largest difference between them, m/s.
+    pub fn solutions(&self) -> (f64, f64) {
+        let report = &self.state.report;
+        (report[report::SOLUTIONS], report[report::SOLUTION_GAP])
+    }
+
+    /// Keeps the iterates of the fixed-point solver from now on; steps then allocate.
+    pub fn keep_iterates(&mut self) {
+        self.workspace.fixed_point.keep_trace();
+    }
+
+    /// Iterates of the last stage that the fixed-point solver solved: slip rates (m/s) and forces on the foundation (N).
+    /// Empty unless kept.
+    pub fn iterates(&self) -> impl Iterator<Item = (&[f64], &[f64])> {
+        self.workspace.fixed_point.iterates()
+    }
+
+    /// Work done so far by the default friction solver.
+    pub fn friction_work(&self) -> Work {
+        self.workspace.newton.work()
+    }
+
+    /// Internal steps since the start of the simulation; part of the state.
+    pub fn internal_steps(&self) -> u64 {
+        self.state.steps
+    }
+
+    /// Stages solved so far by this simulator, those of refused steps, error estimates and derivatives included.
+    pub fn stage_solves(&self) -> u64 {
+        self.workspace.stages.solves()
+    }
+
+    /// Pairs of internal steps that the step control has refused so far.
+    pub fn refused_pairs(&self) -> u64 {
+        let control = self.workspace.control.as_ref();
+        control.map_or(0, |control| control.refused)
+    }
+
+    /// Stage factorizations made so far: one per step size that was not among the last few.
+    pub fn factorizations(&self) -> u64 {
+        self.workspace.stages.factorizations
+    }
+}

@@ -1,0 +1,65 @@
+//! Bytes of a saved state: a frame (see `crate::bytes`) of the counters and then the values.
+
+use super::{COUNTERS, State};
+use crate::bytes::{Frame, HEADER, OVERHEAD, Reader};
+use crate::error::Result;
+
+const FRAME: Frame = Frame {
+    magic: *b"SLIPSTAT",
+    format: 2,
+    what: "saved state",
+};
+
+impl State {
+    /// Length of [`State::to_bytes`].
+    pub fn byte_len(&self) -> usize {
+        OVERHEAD + 8 * (COUNTERS + self.len())
+    }
+
+    /// Versioned, checksummed bytes; they fit every simulator of a model with the same fingerprint.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut bytes = vec![0; self.byte_len()];
+        self.write_bytes(&mut bytes);
+        bytes
+    }
+
+    /// Writes the bytes of [`State::to_bytes`] without allocating; `out` has [`State::byte_len`] bytes.
+    pub(crate) fn write_bytes(&self, out: &mut [u8]) {
+        let values = self.blocks().into_iter().flatten().map(|v| v.to_bits());
+        let words = self.counters().into_iter().chain(values);
+        for (to, word) in out[HEADER..].chunks_exact_mut(8).zip(words) {
+            to.copy_from_slice(&word.to_le_bytes());
+        }
+        FRAME.seal(self.fingerprint, out);
+    }
+
+    /// Reads bytes into this state; on failure it stays as it was.
+    ///
+    /// # Errors
+    /// [`crate::Error::Bytes`] for bytes that are not a state of this format, truncated or damaged;
+    /// [`crate::Error::Fingerprint`] for the state of another model.
+    pub(crate) fn read_bytes(&mut self, bytes: &[u8]) -> Result<()> {
+        let (fingerprint, payload) = FRAME.open(bytes)?;
+        self.check_fingerprint(fingerprint)?;
+        if bytes.len() != self.byte_len() {
+            return Err(Reader::refusal(format!(
+                "saved state: expected {} bytes, found {}",
+                self.byte_len(),
+                bytes.len()
+            )));
+        }
+        let mut reader = Reader::new(payload);
+        let mut counters = [0; COUNTERS];
+        for counter in &mut counters {
+            *counter = reader.word()?;
+        }
+        if !f64::from_bits(counters[0]).is_finite() {
+            return Err(Reader::refusal("saved state: its time is not finite"));
+        }
+        self.set_counters(counters);
+        for value in self.blocks_mut().into_iter().flatten() {
+            *value = reader.float()?;
+        }
+        Ok(())
+    }
+}
