@@ -168,7 +168,7 @@ impl Direction {
                 normal: &self.normal,
                 weakening: attempt.weakening,
             };
-            present.linearise(at, attempt.frees_near);
+            present.linearise(at, attempt.frees_near, &mut self.differences);
             if cache.prepare(problem, at) {
                 return true;
             }

@@ -37,6 +37,24 @@ pub fn term_capacity(nodes: usize, len: usize) -> usize {
     most_terms(len) + len / nodes
 }
 
+/// Share of the bound above which the nodes that stick are no more than `spare`, from the nearness of every node.
+fn share_to_free(nearness: &[f64], spare: usize) -> f64 {
+    let frees_few = |share: f64| nearness.iter().filter(|n| **n >= share).count() <= spare;
+    if frees_few(0.0) {
+        return 0.0;
+    }
+    let (mut low, mut share) = (0.0, 1.0);
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + share);
+        if frees_few(middle) {
+            share = middle;
+        } else {
+            low = middle;
+        }
+    }
+    share
+}
+
 /// K at a point.
 pub struct SecondVariation<'a, 'p, L> {
     pub problem: &'a ContactProblem<'p, L>,
@@ -52,10 +70,17 @@ impl<L: FrictionLaw> SecondVariation<'_, '_, L> {
         self.normal[self.problem.at(node)].iter().any(|n| *n != 0.0)
     }
 
-    /// Whether a node sticks with at least this share of its bound.
-    fn is_near(&self, node: usize, share: f64) -> bool {
-        let pull = norm(&self.point.y[self.problem.at(node)]);
-        !self.moves(node) && pull >= share * self.point.law.bound[node]
+    /// How near a node that sticks is to slipping, as a share of its bound; negative where a node moves.
+    fn nearness(&self, node: usize) -> f64 {
+        if self.moves(node) {
+            return -1.0;
+        }
+        let bound = self.point.law.bound[node];
+        if bound > 0.0 {
+            norm(&self.point.y[self.problem.at(node)]) / bound
+        } else {
+            1.0
+        }
     }
 
     /// D at a node that moves: the entry, or xx, xy, yy.
@@ -78,41 +103,22 @@ impl<L: FrictionLaw> SecondVariation<'_, '_, L> {
     }
 
     /// Makes the point the one of linearisation: what moves is free, and with `frees_near` also the nodes that stick but are
-    /// nearest to slipping, as many as there are terms to hold them.
-    pub fn linearise(&self, at: &mut Linearisation, frees_near: bool) {
-        let least = if frees_near {
-            self.share_to_free()
-        } else {
-            1.0
-        };
+    /// nearest to slipping, as many as there are terms to hold them. `scratch` has an entry per node.
+    pub fn linearise(&self, at: &mut Linearisation, frees_near: bool, scratch: &mut [f64]) {
+        let mut least = f64::INFINITY;
+        if frees_near {
+            let nodes = scratch.iter_mut().enumerate();
+            nodes.for_each(|(node, nearness)| *nearness = self.nearness(node));
+            let spare = most_terms(self.point.w.len()) / (2 * self.problem.components);
+            least = share_to_free(scratch, spare);
+        }
         at.set(block_len(self.problem.components), |node| {
             if self.moves(node) {
-                return Some(self.curvature(node));
-            }
-            (least < 1.0 && self.is_near(node, least)).then_some([0.0; 3])
-        });
-    }
-
-    /// Share of the bound above which the nodes that stick are few enough to be freed.
-    fn share_to_free(&self) -> f64 {
-        let spare = most_terms(self.point.w.len()) / (2 * self.problem.components);
-        let frees_few = |share: f64| {
-            let near = (0..self.problem.nodes()).filter(|node| self.is_near(*node, share));
-            near.count() <= spare
-        };
-        if frees_few(0.0) {
-            return 0.0;
-        }
-        let (mut low, mut share) = (0.0, 1.0);
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (low + share);
-            if frees_few(middle) {
-                share = middle;
+                Some(self.curvature(node))
             } else {
-                low = middle;
+                (least < 1.0 && scratch[node] >= least).then_some([0.0; 3])
             }
-        }
-        share
+        });
     }
 
     /// The terms by which K differs from the matrix at hand at the nodes whose `differences` are noticeable; false when they

@@ -7,7 +7,7 @@
 //! so one loop over columns, with a block of the result in registers, serves all three; the sums are taken over panels of
 //! columns that stay in the cache. Matrices are by columns, `stride` apart, of an order that is a whole number of blocks.
 
-use super::tiles::{BLOCK, Corner, difference, for_rows, load, products, store, zero};
+use super::tiles::{BLOCK, Corner, MOST_ROWS, difference, for_rows, load, products, store, zero};
 use pulp::{Simd, WithSimd};
 use std::ops::Range;
 
@@ -74,7 +74,8 @@ fn subtract<S: Simd>(
             stride,
             columns.clone(),
         );
-        let x = difference::<S, R>(simd, factor, stride, (i, j), &sums);
+        let a = load::<S, R>(simd, factor, stride, (i, j));
+        let x = difference::<S, R>(simd, a, &sums);
         store::<S, R>(&x, factor, stride, (i, j));
     });
 }
@@ -120,31 +121,50 @@ impl WithSimd for FactorInversion<'_> {
             stride,
         } = self;
         let order = reciprocals.len();
+        // the diagonal block, and below it as far as a block of rows that begins there reaches
         for j in 0..order {
-            let column = &mut inverse[j * stride..][..order];
-            column.fill(0.0);
-            column[j] = 1.0;
+            let first = j - j % BLOCK;
+            let last = order.min(first + MOST_ROWS);
+            inverse[j * stride..][first..last].fill(0.0);
+            inverse[j * stride + j] = 1.0;
         }
         for start in (0..order).step_by(PANEL) {
             let end = order.min(start + PANEL);
             for j in (start..end).step_by(BLOCK) {
                 let corner = Corner::of(factor, stride, reciprocals, j);
-                for_rows!(S, 0, j + BLOCK, |i, R| {
-                    // Z is zero left of its diagonal
-                    let (z, l) = ((&*inverse, i), (factor, j));
-                    let sums =
-                        products::<S, R>(simd, zero::<S, R>(simd), z, l, stride, start.max(i)..j);
-                    let a = difference::<S, R>(simd, inverse, stride, (i, j), &sums);
-                    let x = corner.solve(simd, &a);
+                let l = (factor, j);
+                // what earlier panels have left, what this one is the first to reach, the diagonal
+                for_rows!(S, 0, start, |i, R| {
+                    let z = (&*inverse, i);
+                    let sums = products::<S, R>(simd, zero::<S, R>(simd), z, l, stride, start..j);
+                    let a = load::<S, R>(simd, inverse, stride, (i, j));
+                    let x = corner.solve(simd, &difference::<S, R>(simd, a, &sums));
                     store::<S, R>(&x, inverse, stride, (i, j));
+                });
+                for_rows!(S, start, j, |i, R| {
+                    let (zero, z) = (zero::<S, R>(simd), (&*inverse, i));
+                    let sums = products::<S, R>(simd, zero, z, l, stride, i..j);
+                    let x = corner.solve(simd, &difference::<S, R>(simd, zero, &sums));
+                    store::<S, R>(&x, inverse, stride, (i, j));
+                });
+                for_rows!(S, j, j + BLOCK, |i, R| {
+                    let unit = load::<S, R>(simd, inverse, stride, (i, j));
+                    store::<S, R>(&corner.solve(simd, &unit), inverse, stride, (i, j));
                 });
             }
             for j in (end..order).step_by(BLOCK) {
-                for_rows!(S, 0, end, |i, R| {
-                    let (z, l) = ((&*inverse, i), (factor, j));
-                    let sums =
-                        products::<S, R>(simd, zero::<S, R>(simd), z, l, stride, start.max(i)..end);
-                    let x = difference::<S, R>(simd, inverse, stride, (i, j), &sums);
+                let l = (factor, j);
+                for_rows!(S, 0, start, |i, R| {
+                    let z = (&*inverse, i);
+                    let sums = products::<S, R>(simd, zero::<S, R>(simd), z, l, stride, start..end);
+                    let a = load::<S, R>(simd, inverse, stride, (i, j));
+                    let x = difference::<S, R>(simd, a, &sums);
+                    store::<S, R>(&x, inverse, stride, (i, j));
+                });
+                for_rows!(S, start, end, |i, R| {
+                    let (zero, z) = (zero::<S, R>(simd), (&*inverse, i));
+                    let sums = products::<S, R>(simd, zero, z, l, stride, i..end);
+                    let x = difference::<S, R>(simd, zero, &sums);
                     store::<S, R>(&x, inverse, stride, (i, j));
                 });
             }

@@ -35,16 +35,13 @@ pub fn products<S: Simd, const R: usize>(
     sums
 }
 
-/// The block of `a` at row i and column j, minus another.
+/// A block minus another.
 #[inline(always)]
 pub fn difference<S: Simd, const R: usize>(
     simd: S,
-    a: &[f64],
-    stride: usize,
-    at: (usize, usize),
+    mut tile: Tile<S::f64s, R>,
     other: &Tile<S::f64s, R>,
 ) -> Tile<S::f64s, R> {
-    let mut tile = load::<S, R>(simd, a, stride, at);
     for (tile, other) in tile.iter_mut().zip(other) {
         for (value, other) in tile.iter_mut().zip(other) {
             *value = simd.sub_f64s(*value, *other);
@@ -129,6 +126,9 @@ impl Corner {
         x
     }
 }
+
+/// Most rows of a block of [`for_rows`].
+pub const MOST_ROWS: usize = 3 * BLOCK;
 
 /// Runs the body for blocks of rows `$from..$to`, of three vectors (`$R`), then two, then one.
 macro_rules! for_rows {
