@@ -81,14 +81,22 @@ pub fn create(
     std::ptr::null_mut()
 }
 
-/// Frees an instance; NULL and pointers that are none are ignored.
+/// Frees an instance; NULL, pointers that are none and an instance in the middle of a call (its own logger, or another thread)
+/// are left alone.
 pub fn free(pointer: *mut c_void) {
     let _ = catch_unwind(|| {
-        if !pointer.is_null() && registry::leave(pointer as usize) {
-            // SAFETY: the pointer was made by `create` and was live until this line, which struck it out.
-            drop(unsafe { Box::from_raw(pointer.cast::<Slot>()) });
-            registry::sweep();
+        if pointer.is_null() || !registry::leave(pointer as usize) {
+            return;
         }
+        let slot = pointer.cast::<Slot>();
+        // SAFETY: the slot was made by `create` and was live until the line above, which struck it out for this call alone.
+        if unsafe { &*slot }.is_busy.swap(true, Ordering::Acquire) {
+            registry::enter(pointer as usize);
+            return;
+        }
+        // SAFETY: struck out, and no call is under way that could still look at it.
+        drop(unsafe { Box::from_raw(slot) });
+        registry::sweep();
     });
 }
 

@@ -130,6 +130,24 @@ def test_37_logging_off_is_silent_and_unknown_categories_are_errors(library, pad
     quiet.free()
 
 
+def test_free_from_the_logger_leaves_the_instance_alone(library):
+    pad = Instance(library)
+    free = library.dll.fmi2FreeInstance if library.version == 2 else library.dll.fmi3FreeInstance
+    answers = []
+
+    class Greedy(list):
+        def append(self, entry):
+            super().append(entry)
+            free(pad.p)  # in the middle of the call that logs
+            answers.append(pad.reset())
+
+    pad.log = Greedy()
+    assert pad.step(0.0, H) == ERROR and answers == [ERROR]
+    pad.log = []
+    assert pad.start().step(0.0, H) == OK and pad.log == []
+    pad.free()
+
+
 def test_38_percent_signs_in_messages_are_printed_literally(library, pad):
     assert pad.debug(True, [b"%s%n%d"]) == ERROR
     status, category, form, message = pad.log[-1]
