@@ -25,9 +25,10 @@
  * Threads     A model may be used from any number of threads at once. A simulator, and a saved state while it is
  *             saved into, is used by one thread at a time, any thread; a second call with a simulator at the same time
  *             is refused with STICKSLIP_CALL_ORDER. The last error belongs to the thread of the failed call.
- * Manners     No printing, no threads, no signals, no environment, no files. No allocation in set_inputs, do_step (at step
- *             sizes met before), get_outputs, get, save_state, restore_state. A panic inside the library is caught: the
- *             call returns STICKSLIP_POISONED, and so does every later one with that simulator, which can only be freed.
+ * Manners     No printing, no threads, no signals, no environment, no files. No allocation in set_inputs, set, set_many,
+ *             do_step (at step sizes met before), get_outputs, get, save_state, restore_state. A panic inside the library
+ *             is caught: the call returns STICKSLIP_POISONED, and so does every later one with that simulator, which can
+ *             only be freed.
  * Results are reproducible: the same calls on the same model give the same bits, in any thread.
  */
 
@@ -277,7 +278,7 @@ void stickslip_free(struct stickslip_simulator *simulator);
 
 // Starts the simulation at `time` (s) with the body undeformed. Inputs set before are the loads at that instant; without
 // them the start values of the scene are. Errors: `CALL_ORDER` when already initialized, `VALUE` for a time that is not
-// finite, `NOT_CONVERGED`.
+// finite or friction coefficients that do not fit each other, `NOT_CONVERGED`.
 int32_t stickslip_init(struct stickslip_simulator *simulator,
                        double time);
 
@@ -291,14 +292,26 @@ int32_t stickslip_set_inputs(struct stickslip_simulator *simulator,
                              const double *values,
                              size_t count);
 
-// Sets one input or parameter by its reference, in the unit of its port. Errors: `UNKNOWN`, `CALL_ORDER` for an output,
+// Sets one input or parameter by its reference, in the unit of its port. Coefficients of the friction law may be set in any
+// order: each is checked against its own range here, and the set of them (a >= b) by `stickslip_init` and
+// `stickslip_do_step`. Outputs are those of the last step until the next one. Errors: `UNKNOWN`, `CALL_ORDER` for an output,
 // `VALUE`.
-int32_t stickslip_set(struct stickslip_simulator *simulator, uint32_t reference, double value);
+int32_t stickslip_set(struct stickslip_simulator *simulator,
+                      uint32_t reference,
+                      double value);
+
+// Sets `count` inputs and parameters together: `values[i]` to the port `references[i]`, in its unit; of a port named twice
+// the last value holds. The friction coefficients that result are checked as a set when the call ends. All is set or, on an
+// error, nothing. Allocates nothing. Errors: `UNKNOWN`, `CALL_ORDER` for an output, `VALUE`, `NULL`.
+int32_t stickslip_set_many(struct stickslip_simulator *simulator,
+                           const uint32_t *references,
+                           const double *values,
+                           size_t count);
 
 // Steps from `time` to `time + step` (s). `time` is where the simulation stands, up to rounding; a step of any size is cut
 // into internal steps. Allocates nothing once the step size is known. Returns `NOT_UNIQUE` (> 0) when the step was
 // taken but the multiplicity test found other solutions. Errors, with the state bit for bit as before: `CALL_ORDER` before
-// `stickslip_init`, `STEP`, `NOT_CONVERGED`.
+// `stickslip_init`, `STEP`, `VALUE` for friction coefficients that do not fit each other, `NOT_CONVERGED`.
 int32_t stickslip_do_step(struct stickslip_simulator *simulator,
                           double time,
                           double step);
@@ -417,7 +430,7 @@ void stickslip_free(struct stickslip_simulator *simulator);
 
 // Starts the simulation at `time` (s) with the body undeformed. Inputs set before are the loads at that instant; without
 // them the start values of the scene are. Errors: `CALL_ORDER` when already initialized, `VALUE` for a time that is not
-// finite, `NOT_CONVERGED`.
+// finite or friction coefficients that do not fit each other, `NOT_CONVERGED`.
 int32_t stickslip_init(struct stickslip_simulator *simulator,
                        double time);
 
@@ -431,14 +444,26 @@ int32_t stickslip_set_inputs(struct stickslip_simulator *simulator,
                              const double *values,
                              size_t count);
 
-// Sets one input or parameter by its reference, in the unit of its port. Errors: `UNKNOWN`, `CALL_ORDER` for an output,
+// Sets one input or parameter by its reference, in the unit of its port. Coefficients of the friction law may be set in any
+// order: each is checked against its own range here, and the set of them (a >= b) by `stickslip_init` and
+// `stickslip_do_step`. Outputs are those of the last step until the next one. Errors: `UNKNOWN`, `CALL_ORDER` for an output,
 // `VALUE`.
-int32_t stickslip_set(struct stickslip_simulator *simulator, uint32_t reference, double value);
+int32_t stickslip_set(struct stickslip_simulator *simulator,
+                      uint32_t reference,
+                      double value);
+
+// Sets `count` inputs and parameters together: `values[i]` to the port `references[i]`, in its unit; of a port named twice
+// the last value holds. The friction coefficients that result are checked as a set when the call ends. All is set or, on an
+// error, nothing. Allocates nothing. Errors: `UNKNOWN`, `CALL_ORDER` for an output, `VALUE`, `NULL`.
+int32_t stickslip_set_many(struct stickslip_simulator *simulator,
+                           const uint32_t *references,
+                           const double *values,
+                           size_t count);
 
 // Steps from `time` to `time + step` (s). `time` is where the simulation stands, up to rounding; a step of any size is cut
 // into internal steps. Allocates nothing once the step size is known. Returns `NOT_UNIQUE` (> 0) when the step was
 // taken but the multiplicity test found other solutions. Errors, with the state bit for bit as before: `CALL_ORDER` before
-// `stickslip_init`, `STEP`, `NOT_CONVERGED`.
+// `stickslip_init`, `STEP`, `VALUE` for friction coefficients that do not fit each other, `NOT_CONVERGED`.
 int32_t stickslip_do_step(struct stickslip_simulator *simulator,
                           double time,
                           double step);

@@ -132,6 +132,13 @@ public:
     void reset() { check(stickslip_reset(get())); }
     void set_inputs(Span<const double> values) { check(stickslip_set_inputs(get(), values.data(), values.size())); }
     void set(std::uint32_t reference, double value) { check(stickslip_set(get(), reference, value)); }
+    // All or nothing, values[i] to the port references[i]; as many values as references.
+    void set(Span<const std::uint32_t> references, Span<const double> values) {
+        if (references.size() != values.size())
+            throw Error(STICKSLIP_LENGTH, "values to set: expected " + std::to_string(references.size()) +
+                                              " values, found " + std::to_string(values.size()));
+        check(stickslip_set_many(get(), references.data(), values.data(), values.size()));
+    }
     // STICKSLIP_OK or STICKSLIP_NOT_UNIQUE.
     std::int32_t do_step(double time, double step) { return check(stickslip_do_step(get(), time, step)); }
     void get_outputs(Span<double> values) const { check(stickslip_get_outputs(get(), values.data(), values.size())); }

@@ -1,7 +1,7 @@
 //! Handles of simulators: stepping.
 
 use super::guard::{
-    Handle, free, give, guarded, handle, last_message, place, remember, values_mut,
+    self, Handle, free, give, guarded, handle, last_message, place, remember, values_mut,
 };
 use super::model::stickslip_model;
 use super::{STICKSLIP_NOT_UNIQUE, STICKSLIP_OK};
@@ -152,7 +152,7 @@ pub unsafe extern "C" fn stickslip_free(simulator: *mut stickslip_simulator) {
 
 /// Starts the simulation at `time` (s) with the body undeformed. Inputs set before are the loads at that instant; without
 /// them the start values of the scene are. Errors: `CALL_ORDER` when already initialized, `VALUE` for a time that is not
-/// finite, `NOT_CONVERGED`.
+/// finite or friction coefficients that do not fit each other, `NOT_CONVERGED`.
 ///
 /// # Safety
 /// `simulator` is NULL or live.
@@ -192,7 +192,7 @@ pub unsafe extern "C" fn stickslip_set_inputs(
     let call = |simulator: &mut Simulator| {
         let expected = simulator.model().input_count();
         // SAFETY: as promised by the caller
-        let values = unsafe { super::guard::values(values, count, expected, "inputs") }?;
+        let values = unsafe { guard::values(values, count, expected, "inputs") }?;
         simulator.set_inputs(values)?;
         Ok(STICKSLIP_OK)
     };
@@ -200,7 +200,9 @@ pub unsafe extern "C" fn stickslip_set_inputs(
     unsafe { with(simulator, call) }
 }
 
-/// Sets one input or parameter by its reference, in the unit of its port. Errors: `UNKNOWN`, `CALL_ORDER` for an output,
+/// Sets one input or parameter by its reference, in the unit of its port. Coefficients of the friction law may be set in any
+/// order: each is checked against its own range here, and the set of them (a >= b) by `stickslip_init` and
+/// `stickslip_do_step`. Outputs are those of the last step until the next one. Errors: `UNKNOWN`, `CALL_ORDER` for an output,
 /// `VALUE`.
 ///
 /// # Safety
@@ -219,10 +221,34 @@ pub unsafe extern "C" fn stickslip_set(
     unsafe { with(simulator, call) }
 }
 
+/// Sets `count` inputs and parameters together: `values[i]` to the port `references[i]`, in its unit; of a port named twice
+/// the last value holds. The friction coefficients that result are checked as a set when the call ends. All is set or, on an
+/// error, nothing. Allocates nothing. Errors: `UNKNOWN`, `CALL_ORDER` for an output, `VALUE`, `NULL`.
+///
+/// # Safety
+/// `simulator` is NULL or live, `references` and `values` are NULL or point to `count` values each.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn stickslip_set_many(
+    simulator: *mut stickslip_simulator,
+    references: *const u32,
+    values: *const f64,
+    count: usize,
+) -> i32 {
+    let call = |simulator: &mut Simulator| {
+        // SAFETY: as promised by the caller
+        let references = unsafe { guard::values(references, count, count, "references") }?;
+        let values = unsafe { guard::values(values, count, count, "values to set") }?;
+        simulator.set_many(references, values)?;
+        Ok(STICKSLIP_OK)
+    };
+    // SAFETY: as promised by the caller
+    unsafe { with(simulator, call) }
+}
+
 /// Steps from `time` to `time + step` (s). `time` is where the simulation stands, up to rounding; a step of any size is cut
 /// into internal steps. Allocates nothing once the step size is known. Returns `NOT_UNIQUE` (> 0) when the step was
 /// taken but the multiplicity test found other solutions. Errors, with the state bit for bit as before: `CALL_ORDER` before
-/// `stickslip_init`, `STEP`, `NOT_CONVERGED`.
+/// `stickslip_init`, `STEP`, `VALUE` for friction coefficients that do not fit each other, `NOT_CONVERGED`.
 ///
 /// # Safety
 /// `simulator` is NULL or live.
