@@ -50,6 +50,7 @@ pub mod error;
 mod error_estimate;
 pub mod fem;
 pub mod friction;
+mod input_course;
 pub mod linalg;
 pub mod mesh;
 pub mod model;

@@ -26,17 +26,6 @@ pub(crate) fn explicit_part(
     }
 }
 
-/// Loads at a fraction of the communication step.
-pub(crate) fn interpolate_loads(start: &[f64], end: &[f64], fraction: f64, loads: &mut [f64]) {
-    for (load, (from, to)) in loads.iter_mut().zip(start.iter().zip(end)) {
-        *load = if fraction == 1.0 {
-            *to
-        } else {
-            from + (to - from) * fraction
-        };
-    }
-}
-
 /// `u_{n+1} = u_n + k sum_j b_j w_j` for everything that is integrated.
 pub(crate) fn integrate(tableau: &Tableau, state: &mut State, velocities: &[Velocity], k: f64) {
     integrate_solution(tableau, state, velocities, k);

@@ -1,5 +1,6 @@
 //! A simulator: one state of one model, driven by a master.
 
+mod inputs;
 mod reading;
 mod saving;
 mod work;
@@ -116,7 +117,8 @@ impl Simulator {
         self.last_step = None;
     }
 
-    /// Sets all inputs: the load intensities at the end of the next step (before [`Simulator::init`]: at the start).
+    /// Sets all inputs: the load intensities at the end of the next step (before [`Simulator::init`]: at the start), or what
+    /// [`Simulator::set_inputs_meaning`] made of them. They stay until set again.
     ///
     /// # Errors
     /// [`Error::Length`], [`Error::Value`] for a number that is not finite.
@@ -269,6 +271,29 @@ impl Simulator {
         std::mem::swap(&mut self.state, &mut self.trial);
         self.state.take_past(&mut self.trial);
         Ok(())
+    }
+
+    /// Whether the state is the end of a step of this simulator, which [`Simulator::directional_derivative`] is of.
+    pub fn has_last_step(&self) -> bool {
+        self.last_step.is_some()
+    }
+
+    /// Solves something at the present state on the side.
+    ///
+    /// # Errors
+    /// [`Error::CallOrder`] before initialization.
+    pub(crate) fn solve_here(
+        &mut self,
+        call: &'static str,
+        solve: impl FnOnce(&Model, &State, &mut Workspace) -> Result<()>,
+    ) -> Result<()> {
+        if self.state.is_initialized == 0 {
+            return Err(Error::CallOrder {
+                call,
+                expected: "init first",
+            });
+        }
+        solve(&self.model, &self.state, &mut self.workspace)
     }
 
     /// Takes the last step once more, on the side and with a companion.

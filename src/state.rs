@@ -9,6 +9,7 @@ use crate::error::{Error, Result};
 use crate::friction::law::MAX_COEFFICIENTS;
 use crate::friction::linearisation::no_points;
 use crate::model::Model;
+use crate::scene::Inputs;
 
 /// Where a simulation stands. Vectors over the contact go node by node, components inner.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,6 +26,8 @@ pub struct State {
     pub(crate) is_initialized: u64,
     /// 1 when a coefficient changed and the velocity must be made consistent again.
     pub(crate) needs_settling: u64,
+    /// What the inputs mean, by its place in [`MEANINGS`].
+    meaning: u64,
     /// Displacement of the body, in the coordinates of its model.
     pub(crate) displacement: Vec<f64>,
     /// Velocity of the body, in the coordinates of its model.
@@ -39,8 +42,10 @@ pub struct State {
     pub(crate) accumulated_slip: Vec<f64>,
     /// Load intensities now.
     pub(crate) loads: Vec<f64>,
-    /// Load intensities at the end of the next step.
+    /// Load intensities as set last; `meaning` says where in the next step.
     pub(crate) inputs: Vec<f64>,
+    /// What is remembered of the inputs, and slopes that were given; see [`input_memory`].
+    pub(crate) input_memory: Vec<f64>,
     /// Work-conjugate integrals of the loads, then probes: of the displacement.
     pub(crate) output_displacement: Vec<f64>,
     /// The same of the velocity.
@@ -92,8 +97,33 @@ pub(crate) mod control {
     pub const COUNT: usize = 4;
 }
 
-const COUNTERS: usize = 5;
-const BLOCKS: usize = 23;
+/// Places in `State::input_memory`.
+pub(crate) mod input_memory {
+    /// Communication points that slopes of inputs are known from: 0, 1, or 2 for more.
+    pub const POINTS: usize = 0;
+    /// Size of the last communication step, s.
+    pub const STEP: usize = 1;
+    const LOADS: usize = 2;
+    /// Of every load: its input at the beginning of the last step.
+    pub const VALUE: usize = 0;
+    /// The slope that led there, 1/s.
+    pub const SLOPE: usize = 1;
+    /// The slope that the host gave, 1/s.
+    pub const GIVEN: usize = 2;
+    /// 1 when it gave one.
+    pub const IS_GIVEN: usize = 3;
+    const PER_LOAD: usize = 4;
+
+    pub const fn of_load(load: usize) -> usize {
+        LOADS + PER_LOAD * load
+    }
+}
+
+/// Meanings of the inputs, by their number in a state.
+const MEANINGS: [Inputs; 3] = [Inputs::EndOfStep, Inputs::Hold, Inputs::Continue];
+
+const COUNTERS: usize = 6;
+const BLOCKS: usize = 24;
 /// How many of them, the first ones, internal steps change.
 const STEPPED: usize = BLOCKS - 3;
 
@@ -111,6 +141,7 @@ impl State {
             recorded: 0,
             is_initialized: 0,
             needs_settling: 0,
+            meaning: model.scene().time.inputs.unwrap_or_default() as u64,
             displacement: vec![0.0; model.states()],
             velocity: vec![0.0; model.states()],
             slip_rate: vec![0.0; contact],
@@ -118,6 +149,7 @@ impl State {
             force: vec![0.0; contact],
             accumulated_slip: vec![0.0; nodes],
             loads: start.clone(),
+            input_memory: vec![0.0; input_memory::of_load(start.len())],
             inputs: start,
             output_displacement: vec![0.0; outputs],
             output_velocity: vec![0.0; outputs],
@@ -169,6 +201,7 @@ impl State {
             &self.accumulated_slip,
             &self.loads,
             &self.inputs,
+            &self.input_memory,
             &self.output_displacement,
             &self.output_velocity,
             &self.energy,
@@ -197,6 +230,7 @@ impl State {
             &mut self.accumulated_slip,
             &mut self.loads,
             &mut self.inputs,
+            &mut self.input_memory,
             &mut self.output_displacement,
             &mut self.output_velocity,
             &mut self.energy,
@@ -222,6 +256,7 @@ impl State {
             self.recorded,
             self.is_initialized,
             self.needs_settling,
+            self.meaning,
         ]
     }
 
@@ -232,7 +267,14 @@ impl State {
             self.recorded,
             self.is_initialized,
             self.needs_settling,
-        ] = [counters[1], counters[2], counters[3], counters[4]];
+            self.meaning,
+        ] = [
+            counters[1],
+            counters[2],
+            counters[3],
+            counters[4],
+            counters[5],
+        ];
     }
 
     /// Copies another state of the same model, without allocating.
@@ -291,6 +333,15 @@ impl State {
                 found,
             })
         }
+    }
+
+    /// What the inputs mean.
+    pub(crate) fn meaning(&self) -> Inputs {
+        MEANINGS[self.meaning as usize]
+    }
+
+    pub(crate) fn set_meaning(&mut self, meaning: Inputs) {
+        self.meaning = meaning as u64;
     }
 
     /// Time, s.

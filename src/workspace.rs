@@ -110,6 +110,39 @@ impl Velocity {
     }
 }
 
+/// Loads at the two ends of a communication step, linear between them, and their derivatives by the inputs.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct LoadCourse {
+    pub start: Vec<f64>,
+    pub end: Vec<f64>,
+    pub start_by_input: Vec<f64>,
+    pub end_by_input: Vec<f64>,
+}
+
+impl LoadCourse {
+    pub fn new(loads: usize) -> LoadCourse {
+        let zeros = vec![0.0; loads];
+        LoadCourse {
+            start: zeros.clone(),
+            end: zeros.clone(),
+            start_by_input: zeros.clone(),
+            end_by_input: zeros,
+        }
+    }
+
+    /// Loads at a fraction of the communication step.
+    pub fn at(&self, fraction: f64, loads: &mut [f64]) {
+        let ends = self.start.iter().zip(&self.end);
+        for (load, (from, to)) in loads.iter_mut().zip(ends) {
+            *load = if fraction == 1.0 {
+                *to
+            } else {
+                from + (to - from) * fraction
+            };
+        }
+    }
+}
+
 /// Explicit part of a stage.
 pub(crate) struct Explicit {
     pub displacement: Vec<f64>,
@@ -135,8 +168,8 @@ pub(crate) struct Workspace {
     pub velocities: [Velocity; MAX_STAGES + 1],
     pub mean: Velocity,
     pub explicit: Explicit,
-    /// Loads at the start of the communication step.
-    pub loads_at_start: Vec<f64>,
+    /// Loads over the communication step.
+    pub course: LoadCourse,
     /// Loads at the instant of the stage.
     pub load: Vec<f64>,
     pub condensed_load: Vec<f64>,
@@ -160,7 +193,7 @@ impl Workspace {
             velocities: std::array::from_fn(|_| Velocity::new(model)),
             mean: Velocity::new(model),
             explicit: Explicit::new(model),
-            loads_at_start: loads.clone(),
+            course: LoadCourse::new(loads.len()),
             load: loads,
             condensed_load: vec![0.0; len],
             last_iterate: vec![0.0; model.states()],

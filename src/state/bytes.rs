@@ -1,12 +1,12 @@
 //! Bytes of a saved state: a frame (see `crate::bytes`) of the counters and then the values.
 
-use super::{COUNTERS, State};
+use super::{COUNTERS, MEANINGS, State};
 use crate::bytes::{Frame, HEADER, OVERHEAD, Reader};
 use crate::error::Result;
 
 const FRAME: Frame = Frame {
     magic: *b"SLIPSTAT",
-    format: 2,
+    format: 3,
     what: "saved state",
 };
 
@@ -55,6 +55,11 @@ impl State {
         }
         if !f64::from_bits(counters[0]).is_finite() {
             return Err(Reader::refusal("saved state: its time is not finite"));
+        }
+        if counters[5] >= MEANINGS.len() as u64 {
+            return Err(Reader::refusal(
+                "saved state: unknown meaning of its inputs",
+            ));
         }
         self.set_counters(counters);
         for value in self.blocks_mut().into_iter().flatten() {

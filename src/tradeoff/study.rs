@@ -216,6 +216,7 @@ fn body_key(scene: &Scene) -> String {
         step: 1.0,
         tolerance: None,
         error_estimate: None,
+        inputs: None,
     };
     let fidelity = Fidelity::default();
     key.fidelity.friction_tolerance = fidelity.friction_tolerance;

@@ -27,6 +27,10 @@ pub struct Time {
     /// not change the results. Default: true with `tolerance`, false without. Not with the explicit scheme `rectangle`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error_estimate: Option<bool>,
+    /// What the value of an input means in time, for loads whose `interpolation` is `linear`. Default: `end_of_step` in C, Rust
+    /// and the command; `continue` in an FMU, whose importers set inputs at the beginning of a step.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub inputs: Option<Inputs>,
 }
 
 impl Time {
@@ -34,6 +38,23 @@ impl Time {
     pub fn estimates_error(&self) -> bool {
         self.error_estimate.unwrap_or(self.tolerance.is_some())
     }
+}
+
+/// What the value of an input that is set before a communication step means.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Inputs {
+    /// The load at the end of the step; within it the load goes linearly from its last value. Exact where the load is linear
+    /// over the step; for hosts that know it there, or iterate with rollback.
+    #[default]
+    EndOfStep,
+    /// The load at the beginning of the step, held over it: first order in the communication step, exact for loads that jump
+    /// at communication points. Every change is a jump and takes one more solution of the friction problem.
+    Hold,
+    /// The load at the beginning of the step, continued with the slope of the last steps (at most twice the slope before it, and
+    /// none where the two differ in sign, so that a jump is held): second order where the load is smooth. The same cost
+    /// as `hold`.
+    Continue,
 }
 
 /// Time scheme.
