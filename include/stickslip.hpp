@@ -131,6 +131,12 @@ public:
     void init(double time) { check(stickslip_init(get(), time)); }
     void reset() { check(stickslip_reset(get())); }
     void set_inputs(Span<const double> values) { check(stickslip_set_inputs(get(), values.data(), values.size())); }
+    // One of STICKSLIP_INPUTS_...; before init.
+    void set_inputs_meaning(std::int32_t meaning) { check(stickslip_set_inputs_meaning(get(), meaning)); }
+    void set_input_slope(std::uint32_t reference, double slope) {
+        check(stickslip_set_input_slope(get(), reference, slope));
+    }
+    void clear_input_slope(std::uint32_t reference) { check(stickslip_clear_input_slope(get(), reference)); }
     void set(std::uint32_t reference, double value) { check(stickslip_set(get(), reference, value)); }
     // All or nothing, values[i] to the port references[i]; as many values as references.
     void set(Span<const std::uint32_t> references, Span<const double> values) {

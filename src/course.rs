@@ -1,7 +1,7 @@
 //! The course of a scene's own run: its communication points, and its loads there.
 
 use crate::error::Result;
-use crate::scene::Scene;
+use crate::scene::{Inputs, Scene};
 use crate::simulator::Simulator;
 
 /// The communication points of a scene: every `run.step` (default `time.step`) up to `run.until`.
@@ -32,6 +32,24 @@ impl Points {
             n as f64 * self.step
         }
     }
+}
+
+/// Sets every input for the step between two communication points: to its load at the end, or at the beginning where that is
+/// what inputs mean.
+///
+/// # Errors
+/// Those of [`set_loads`].
+pub fn set_loads_of_step(
+    scene: &Scene,
+    simulator: &mut Simulator,
+    from: f64,
+    to: f64,
+) -> Result<()> {
+    let time = match simulator.inputs_meaning() {
+        Inputs::EndOfStep => to,
+        Inputs::Hold | Inputs::Continue => from,
+    };
+    set_loads(scene, simulator, time)
 }
 
 /// Sets every input to its signal at `time`, or to its start value where the scene gives none.

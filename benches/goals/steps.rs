@@ -9,7 +9,7 @@ use faer::{Accum, Mat, MatMut, MatRef, Par};
 use serde_json::{Value, json};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use stickslip::course::{Points, set_loads};
+use stickslip::course::{Points, set_loads, set_loads_of_step};
 use stickslip::{Model, Scene, Simulator, linalg};
 
 /// Time for the runs of one kind.
@@ -66,7 +66,7 @@ impl<'a> Run<'a> {
     /// The time of step `n`, counted from 1, us.
     fn step(&mut self, n: u64) -> Result<f64, stickslip::Error> {
         let (from, to) = (self.points.at(n - 1), self.points.at(n));
-        set_loads(self.scene, &mut self.simulator, to)?;
+        set_loads_of_step(self.scene, &mut self.simulator, from, to)?;
         let begin = Instant::now();
         self.simulator.do_step(from, to - from)?;
         Ok(1e6 * begin.elapsed().as_secs_f64())

@@ -92,6 +92,9 @@ pub struct TradeoffOptions {
     /// always measured.
     #[arg(long, value_name = "SECONDS", default_value = "60", value_parser = parse_budget)]
     pub budget: f64,
+    /// Multiplications to spend, by estimate, instead of time: the same settings are measured on every machine.
+    #[arg(long, value_name = "NUMBER", conflicts_with = "budget", value_parser = parse_budget)]
+    pub work: Option<f64>,
     /// Write one row per setting measured.
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
@@ -127,7 +130,7 @@ pub struct PaperOptions {
 fn parse_budget(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(seconds) if seconds.is_finite() && seconds >= 0.0 => Ok(seconds),
-        _ => Err("expected seconds, 0 or more".to_owned()),
+        _ => Err("expected a number, 0 or more".to_owned()),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::failure::Failure;
 use std::time::{Duration, Instant};
-use stickslip::course::{Points, set_loads};
+use stickslip::course::{Points, set_loads, set_loads_of_step};
 use stickslip::{Scene, Simulator};
 
 /// The contact and the energies at one communication point. Contact arrays go node by node, components inner.
@@ -78,7 +78,7 @@ pub fn follow(
     observe(simulator, &frame(simulator).map_err(&failed)?)?;
     for n in 1..=points.count {
         let (from, to) = (simulator.time(), points.at(n));
-        set_loads(scene, simulator, to).map_err(&failed)?;
+        set_loads_of_step(scene, simulator, from, to).map_err(&failed)?;
         let start = Instant::now();
         simulator.do_step(from, to - from).map_err(&failed)?;
         effort.stepping += start.elapsed();

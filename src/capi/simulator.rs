@@ -177,8 +177,8 @@ pub unsafe extern "C" fn stickslip_reset(simulator: *mut stickslip_simulator) ->
     unsafe { with(simulator, call) }
 }
 
-/// Sets all inputs, `count` values in the order of the loads of the scene: the intensities at the end of the next step
-/// (before `stickslip_init`: at the start), Pa for a traction, N/m^3 for a body force. They stay until set again. Allocates
+/// Sets all inputs, `count` values in the order of the loads of the scene: the intensities at the end of the next step, or
+/// at its beginning where `stickslip_set_inputs_meaning` says so (before `stickslip_init`: at the start), Pa for a traction, N/m^3 for a body force. They stay until set again. Allocates
 /// nothing. Errors: `LENGTH`, `VALUE` for a number that is not finite, `NULL`.
 ///
 /// # Safety

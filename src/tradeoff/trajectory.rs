@@ -1,6 +1,6 @@
 //! A run of a scene on its own signals, as far as errors and work need it.
 
-use crate::course::{Points, set_loads};
+use crate::course::{Points, set_loads, set_loads_of_step};
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::ports::Quantity as Port;
@@ -76,7 +76,7 @@ pub fn run(scene: &Scene, model: &Arc<Model>, stride: u64) -> Result<Trajectory>
     let mut work = Work::default();
     for n in 1..=points.count {
         let (from, to) = (simulator.time(), points.at(n));
-        set_loads(scene, &mut simulator, to)?;
+        set_loads_of_step(scene, &mut simulator, from, to)?;
         simulator.do_step(from, to - from)?;
         let mut count = [0.0];
         simulator.get(iterations, &mut count)?;

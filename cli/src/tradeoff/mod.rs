@@ -32,7 +32,10 @@ pub fn run(options: &TradeoffOptions) -> Result<(), Failure> {
         Some(path) => Some(markdown::Place::find(path, &scene.name)?),
         None => None,
     };
-    let budget = Budget::of(options.budget);
+    let budget = match options.work {
+        Some(work) => Budget::of_work(work),
+        None => Budget::of_seconds(options.budget),
+    };
     let mut study = Study::new(&scene);
 
     let (reference, found) = measure(&mut study, &budget).map_err(Failure::of(name))?;
