@@ -47,7 +47,7 @@
 // The step was taken, but the multiplicity test (scene: `fidelity.multiplicity_test`) found more than one solution.
 #define STICKSLIP_NOT_UNIQUE 1
 
-// Causality of a port: set before a step, its value at the end of the step.
+// Causality of a port: set before a step, by default its value at the end of the step (`stickslip_set_inputs_meaning`).
 #define STICKSLIP_INPUT 0
 
 // Causality of a port: read after a step.
@@ -55,6 +55,19 @@
 
 // Causality of a port: a coefficient of the friction law, may be set between steps.
 #define STICKSLIP_PARAMETER 2
+
+// Inputs set before a step are the loads at its end; within it loads go linearly from where they are (or jump at its beginning,
+// with `interpolation` `hold`). The default. Exact where loads are linear over the step.
+#define STICKSLIP_INPUTS_END_OF_STEP 0
+
+// Inputs set before a step are the loads at its beginning, held over it: first order in the communication step, exact for loads
+// that jump at communication points. Every change costs one more solution of the friction problem.
+#define STICKSLIP_INPUTS_HOLD 1
+
+// Inputs set before a step are the loads at its beginning, continued with the slope of the last steps (at most twice the
+// slope before it, none where the two differ in sign): second order where loads are smooth, and a jump is held. Costs what
+// `STICKSLIP_INPUTS_HOLD` costs.
+#define STICKSLIP_INPUTS_CONTINUE 2
 
 // Why a call failed. A code is never reused and keeps its meaning between versions.
 enum stickslip_code
@@ -178,7 +191,8 @@ const char *stickslip_version(void);
 // `STICKSLIP_ABI_VERSION` of the library: compare it with that of the header. Any thread.
 uint32_t stickslip_abi_version(void);
 
-// Writes the derivative of all outputs at the end of the last step by the inputs at its end, along `seed`:
+// Writes the derivative of all outputs at the end of the last step by its inputs, whatever
+// they mean (`stickslip_set_inputs_meaning`), along `seed`:
 // `derivative = (d outputs / d inputs) seed`, from the consistent tangent. `seed` has one value per input, `derivative` is
 // ordered as `stickslip_get_outputs`; units are those of the output per unit of the input. Where a node is just about to
 // change between stick and slip, the derivative is that of the branch the step ended on; counts and indicators have the
@@ -222,6 +236,23 @@ size_t stickslip_last_error(char *buffer, size_t capacity);
 // none. A static string. Any thread.
 const char *stickslip_code_name(int32_t code);
 
+// Says what inputs mean, by one of the numbers `STICKSLIP_INPUTS_...`; before `stickslip_init`, and again after
+// `stickslip_reset`. Without it: what `time.inputs` of the scene says, else the end of the step. Errors: `CALL_ORDER` after
+// initialization, `VALUE` for another number.
+int32_t stickslip_set_inputs_meaning(struct stickslip_simulator *simulator,
+                                     int32_t meaning);
+
+// Gives an input, by its reference, its slope in time (its unit per second): in the steps that follow the load is the input at
+// their beginning plus slope times time, whatever inputs mean otherwise, until another slope is given or this one is cleared.
+// Allocates nothing. Errors: `UNKNOWN`, `CALL_ORDER` for a port that is no input, `VALUE` for a number that is not finite; the step
+// then returns `VALUE` where the slope leads out of the numbers.
+int32_t stickslip_set_input_slope(struct stickslip_simulator *simulator,
+                                  uint32_t reference,
+                                  double slope);
+
+// Takes the slope of an input away again. Errors: `UNKNOWN`, `CALL_ORDER` for a port that is no input.
+int32_t stickslip_clear_input_slope(struct stickslip_simulator *simulator, uint32_t reference);
+
 // Compiles `scene`, the NUL-terminated UTF-8 text of a scene.json, into `*model`. Takes from milliseconds to seconds; the
 // caller frees the model. Errors: `SCENE`, `BODY`, `REDUCTION_INACCURATE`, `NOT_POSITIVE_DEFINITE`, `UNSTABLE`, `NULL`. Any
 // thread.
@@ -285,8 +316,8 @@ int32_t stickslip_init(struct stickslip_simulator *simulator,
 // Back to before `stickslip_init`, with inputs and coefficients of the scene; allocates.
 int32_t stickslip_reset(struct stickslip_simulator *simulator);
 
-// Sets all inputs, `count` values in the order of the loads of the scene: the intensities at the end of the next step
-// (before `stickslip_init`: at the start), Pa for a traction, N/m^3 for a body force. They stay until set again. Allocates
+// Sets all inputs, `count` values in the order of the loads of the scene: the intensities at the end of the next step, or
+// at its beginning where `stickslip_set_inputs_meaning` says so (before `stickslip_init`: at the start), Pa for a traction, N/m^3 for a body force. They stay until set again. Allocates
 // nothing. Errors: `LENGTH`, `VALUE` for a number that is not finite, `NULL`.
 int32_t stickslip_set_inputs(struct stickslip_simulator *simulator,
                              const double *values,
@@ -437,8 +468,8 @@ int32_t stickslip_init(struct stickslip_simulator *simulator,
 // Back to before `stickslip_init`, with inputs and coefficients of the scene; allocates.
 int32_t stickslip_reset(struct stickslip_simulator *simulator);
 
-// Sets all inputs, `count` values in the order of the loads of the scene: the intensities at the end of the next step
-// (before `stickslip_init`: at the start), Pa for a traction, N/m^3 for a body force. They stay until set again. Allocates
+// Sets all inputs, `count` values in the order of the loads of the scene: the intensities at the end of the next step, or
+// at its beginning where `stickslip_set_inputs_meaning` says so (before `stickslip_init`: at the start), Pa for a traction, N/m^3 for a body force. They stay until set again. Allocates
 // nothing. Errors: `LENGTH`, `VALUE` for a number that is not finite, `NULL`.
 int32_t stickslip_set_inputs(struct stickslip_simulator *simulator,
                              const double *values,
@@ -484,6 +515,23 @@ int32_t stickslip_get(const struct stickslip_simulator *simulator,
 // Writes where the simulation stands into `*time`, s. Errors: `NULL`.
 int32_t stickslip_get_time(const struct stickslip_simulator *simulator, double *time);
 
+// Says what inputs mean, by one of the numbers `STICKSLIP_INPUTS_...`; before `stickslip_init`, and again after
+// `stickslip_reset`. Without it: what `time.inputs` of the scene says, else the end of the step. Errors: `CALL_ORDER` after
+// initialization, `VALUE` for another number.
+int32_t stickslip_set_inputs_meaning(struct stickslip_simulator *simulator,
+                                     int32_t meaning);
+
+// Gives an input, by its reference, its slope in time (its unit per second): in the steps that follow the load is the input at
+// their beginning plus slope times time, whatever inputs mean otherwise, until another slope is given or this one is cleared.
+// Allocates nothing. Errors: `UNKNOWN`, `CALL_ORDER` for a port that is no input, `VALUE` for a number that is not finite; the step
+// then returns `VALUE` where the slope leads out of the numbers.
+int32_t stickslip_set_input_slope(struct stickslip_simulator *simulator,
+                                  uint32_t reference,
+                                  double slope);
+
+// Takes the slope of an input away again. Errors: `UNKNOWN`, `CALL_ORDER` for a port that is no input.
+int32_t stickslip_clear_input_slope(struct stickslip_simulator *simulator, uint32_t reference);
+
 // Creates in `*state` room for a saved state of this simulator and of all others of its model; the caller frees it. It
 // outlives simulator and model. Errors: `NULL`, `POISONED`.
 int32_t stickslip_state_new(const struct stickslip_simulator *simulator, struct stickslip_state **state);
@@ -517,7 +565,8 @@ int32_t stickslip_deserialize(struct stickslip_simulator *simulator,
                               const uint8_t *bytes,
                               size_t length);
 
-// Writes the derivative of all outputs at the end of the last step by the inputs at its end, along `seed`:
+// Writes the derivative of all outputs at the end of the last step by its inputs, whatever
+// they mean (`stickslip_set_inputs_meaning`), along `seed`:
 // `derivative = (d outputs / d inputs) seed`, from the consistent tangent. `seed` has one value per input, `derivative` is
 // ordered as `stickslip_get_outputs`; units are those of the output per unit of the input. Where a node is just about to
 // change between stick and slip, the derivative is that of the branch the step ended on; counts and indicators have the

@@ -52,16 +52,6 @@ fn a_loaded_model_is_the_compiled_one() {
 }
 
 #[test]
-fn loading_is_a_matter_of_milliseconds() {
-    let bytes = compile(&paper(32, &[])).unwrap().to_bytes();
-    let start = std::time::Instant::now();
-    Model::from_bytes(&bytes).unwrap();
-    let took = start.elapsed();
-    println!("{} bytes loaded in {took:?}", bytes.len());
-    assert!(took.as_millis() < 50, "{took:?}");
-}
-
-#[test]
 fn every_truncation_and_every_damaged_byte_is_refused() {
     for scene in &scenes()[..3] {
         let bytes = compile(scene).unwrap().to_bytes();

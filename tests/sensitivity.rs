@@ -226,7 +226,12 @@ fn the_derivative_at_an_instant_is_that_of_the_consistent_start() {
             let scale = expected.iter().fold(0.0, |a: f64, v| a.max(v.abs()));
             for (found, expected) in found[range].iter().zip(&expected) {
                 let error = (found - expected).abs();
-                assert!(error <= 1e-6 * scale, "{}: {found} {expected}", port.name);
+                // a node that sticks has the rate 0 but for rounding
+                assert!(
+                    error <= 1e-6 * scale + 1e-14,
+                    "{}: {found} {expected}",
+                    port.name
+                );
             }
             let is_instant = ["slip_rate", "stress", "force", "velocity"];
             let is_instant = is_instant.iter().any(|word| port.name.ends_with(word));
