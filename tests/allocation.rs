@@ -46,7 +46,7 @@ fn loading_a_model_takes_little_more_than_its_bytes() {
     Model::from_bytes(&bytes).unwrap();
     let loading = (spent().0 - count, spent().1 - size);
     assert!(
-        loading.1 < 4 * bytes.len(),
+        loading.1 < 8 * bytes.len(),
         "{loading:?} for {}",
         bytes.len()
     );
