@@ -79,7 +79,7 @@ enum stickslip_code
   STICKSLIP_SCENE = -1,
   // The scene gives no usable body.
   STICKSLIP_BODY = -2,
-  // The reduction does not reach `fidelity.tolerance`.
+  // The model does not reach `fidelity.tolerance`: the reduction does not, or 64-bit numbers lose more of the body.
   STICKSLIP_REDUCTION_INACCURATE = -3,
   // The friction solver did not reach its tolerance.
   STICKSLIP_NOT_CONVERGED = -4,
@@ -107,6 +107,8 @@ enum stickslip_code
   STICKSLIP_POISONED = -15,
   // No step is small enough for `time.tolerance`.
   STICKSLIP_TOLERANCE_OUT_OF_REACH = -16,
+  // The caller stopped the compilation.
+  STICKSLIP_CANCELLED = -17,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -124,6 +126,11 @@ typedef struct stickslip_simulator stickslip_simulator;
 
 // Room for one saved state of a model.
 typedef struct stickslip_state stickslip_state;
+
+// Is told where a compilation stands: the phase (0: settings are measured for `fidelity.target_error`, 1: assembly, 2: the model
+// of the body is made, 3: certificate), the fraction of the work that is done (0 to 1, never falling; it stays 0 in phase 0),
+// and the `user_data` of the call. Any value but 0 stops the compilation. Must not throw, nor unwind by longjmp.
+typedef int32_t (*stickslip_progress)(int32_t phase, double fraction, void *user_data);
 
 // Sizes of a model.
 typedef struct stickslip_model_info {
@@ -179,7 +186,7 @@ typedef struct stickslip_port {
 } stickslip_port;
 
 // All codes.
-#define stickslip_code_ALL { stickslip_code_Scene, stickslip_code_Body, stickslip_code_ReductionInaccurate, stickslip_code_NotConverged, stickslip_code_NotPositiveDefinite, stickslip_code_Step, stickslip_code_Length, stickslip_code_Value, stickslip_code_Unknown, stickslip_code_CallOrder, stickslip_code_Bytes, stickslip_code_Fingerprint, stickslip_code_Unstable, stickslip_code_Null, stickslip_code_Poisoned, stickslip_code_ToleranceOutOfReach, }
+#define stickslip_code_ALL { stickslip_code_Scene, stickslip_code_Body, stickslip_code_ReductionInaccurate, stickslip_code_NotConverged, stickslip_code_NotPositiveDefinite, stickslip_code_Step, stickslip_code_Length, stickslip_code_Value, stickslip_code_Unknown, stickslip_code_CallOrder, stickslip_code_Bytes, stickslip_code_Fingerprint, stickslip_code_Unstable, stickslip_code_Null, stickslip_code_Poisoned, stickslip_code_ToleranceOutOfReach, stickslip_code_Cancelled, }
 
 #ifdef __cplusplus
 extern "C" {
@@ -254,10 +261,19 @@ int32_t stickslip_set_input_slope(struct stickslip_simulator *simulator,
 int32_t stickslip_clear_input_slope(struct stickslip_simulator *simulator, uint32_t reference);
 
 // Compiles `scene`, the NUL-terminated UTF-8 text of a scene.json, into `*model`. Takes from milliseconds to seconds; the
-// caller frees the model. Errors: `SCENE`, `BODY`, `REDUCTION_INACCURATE`, `NOT_POSITIVE_DEFINITE`, `UNSTABLE`, `NULL`. Any
-// thread.
+// caller frees the model. Errors: `SCENE` (also for a scene that needs more memory than its `fidelity.memory_limit`, or than
+// there is), `BODY`, `REDUCTION_INACCURATE`, `NOT_POSITIVE_DEFINITE`, `UNSTABLE` (unless the scene says `time.force`), `NULL`.
+// Any thread.
 int32_t stickslip_model_compile(const char *scene,
                                 struct stickslip_model **model);
+
+// `stickslip_model_compile` that calls `progress` some tens of times on the caller's thread, between factorizations, and stops
+// when it asks for that: `*model` is then left alone. `progress` NULL: as `stickslip_model_compile`. Errors: those of
+// `stickslip_model_compile`, `CANCELLED`. Any thread.
+int32_t stickslip_model_compile_with(const char *scene,
+                                     stickslip_progress progress,
+                                     void *user_data,
+                                     struct stickslip_model **model);
 
 // Loads a compiled model from the `length` bytes of `stickslip_model_save`, without mesh or assembly, into `*model`; the
 // caller frees it. The bytes are not kept. Errors: `BYTES` (of another kind or version, truncated, damaged), `FINGERPRINT`,
@@ -296,12 +312,12 @@ int32_t stickslip_model_find_port(const struct stickslip_model *model, const cha
 int32_t stickslip_model_get_contact(const struct stickslip_model *model, double *points, double *weights, size_t nodes);
 
 // Creates a simulator of `model` in `*simulator`, before its initialization; the caller frees it. It keeps what it needs
-// of the model alive. Errors: `NULL`. Any thread.
+// of the model alive. Errors: `NULL`, `BODY` when there is not enough memory. Any thread.
 int32_t stickslip_new(const struct stickslip_model *model,
                       struct stickslip_simulator **simulator);
 
 // Creates in `*copy` an independent simulator of the same model in the same state; the caller frees it. Errors: `NULL`,
-// `POISONED`.
+// `POISONED`, `BODY` when there is not enough memory.
 int32_t stickslip_clone(const struct stickslip_simulator *simulator, struct stickslip_simulator **copy);
 
 // Frees a simulator, also a poisoned one; NULL is allowed. Not while another call uses it.
@@ -364,7 +380,7 @@ int32_t stickslip_get(const struct stickslip_simulator *simulator,
 int32_t stickslip_get_time(const struct stickslip_simulator *simulator, double *time);
 
 // Creates in `*state` room for a saved state of this simulator and of all others of its model; the caller frees it. It
-// outlives simulator and model. Errors: `NULL`, `POISONED`.
+// outlives simulator and model. Errors: `NULL`, `POISONED`, `BODY` when there is not enough memory.
 int32_t stickslip_state_new(const struct stickslip_simulator *simulator, struct stickslip_state **state);
 
 // Frees a saved state; NULL is allowed.
@@ -406,10 +422,19 @@ size_t stickslip_last_error(char *buffer, size_t capacity);
 const char *stickslip_code_name(int32_t code);
 
 // Compiles `scene`, the NUL-terminated UTF-8 text of a scene.json, into `*model`. Takes from milliseconds to seconds; the
-// caller frees the model. Errors: `SCENE`, `BODY`, `REDUCTION_INACCURATE`, `NOT_POSITIVE_DEFINITE`, `UNSTABLE`, `NULL`. Any
-// thread.
+// caller frees the model. Errors: `SCENE` (also for a scene that needs more memory than its `fidelity.memory_limit`, or than
+// there is), `BODY`, `REDUCTION_INACCURATE`, `NOT_POSITIVE_DEFINITE`, `UNSTABLE` (unless the scene says `time.force`), `NULL`.
+// Any thread.
 int32_t stickslip_model_compile(const char *scene,
                                 struct stickslip_model **model);
+
+// `stickslip_model_compile` that calls `progress` some tens of times on the caller's thread, between factorizations, and stops
+// when it asks for that: `*model` is then left alone. `progress` NULL: as `stickslip_model_compile`. Errors: those of
+// `stickslip_model_compile`, `CANCELLED`. Any thread.
+int32_t stickslip_model_compile_with(const char *scene,
+                                     stickslip_progress progress,
+                                     void *user_data,
+                                     struct stickslip_model **model);
 
 // Loads a compiled model from the `length` bytes of `stickslip_model_save`, without mesh or assembly, into `*model`; the
 // caller frees it. The bytes are not kept. Errors: `BYTES` (of another kind or version, truncated, damaged), `FINGERPRINT`,
@@ -448,12 +473,12 @@ int32_t stickslip_model_find_port(const struct stickslip_model *model, const cha
 int32_t stickslip_model_get_contact(const struct stickslip_model *model, double *points, double *weights, size_t nodes);
 
 // Creates a simulator of `model` in `*simulator`, before its initialization; the caller frees it. It keeps what it needs
-// of the model alive. Errors: `NULL`. Any thread.
+// of the model alive. Errors: `NULL`, `BODY` when there is not enough memory. Any thread.
 int32_t stickslip_new(const struct stickslip_model *model,
                       struct stickslip_simulator **simulator);
 
 // Creates in `*copy` an independent simulator of the same model in the same state; the caller frees it. Errors: `NULL`,
-// `POISONED`.
+// `POISONED`, `BODY` when there is not enough memory.
 int32_t stickslip_clone(const struct stickslip_simulator *simulator, struct stickslip_simulator **copy);
 
 // Frees a simulator, also a poisoned one; NULL is allowed. Not while another call uses it.
@@ -533,7 +558,7 @@ int32_t stickslip_set_input_slope(struct stickslip_simulator *simulator,
 int32_t stickslip_clear_input_slope(struct stickslip_simulator *simulator, uint32_t reference);
 
 // Creates in `*state` room for a saved state of this simulator and of all others of its model; the caller frees it. It
-// outlives simulator and model. Errors: `NULL`, `POISONED`.
+// outlives simulator and model. Errors: `NULL`, `POISONED`, `BODY` when there is not enough memory.
 int32_t stickslip_state_new(const struct stickslip_simulator *simulator, struct stickslip_state **state);
 
 // Frees a saved state; NULL is allowed.

@@ -64,6 +64,10 @@ pub enum Error {
     Fingerprint { expected: u64, found: u64 },
     /// An explicit scheme is beyond its stability limit.
     Unstable { step: f64, limit: f64 },
+    /// 64-bit numbers lose more of the response of the body than the tolerance allows: `lost` is its relative error, by estimate.
+    LostDigits { lost: f64, tolerance: f64 },
+    /// The compilation was stopped by its observer.
+    Cancelled { phase: &'static str },
     /// The smallest internal step still has `excess` times the error that `time.tolerance` allows.
     ToleranceOutOfReach {
         time: f64,
@@ -85,7 +89,7 @@ pub enum ErrorCode {
     Scene = -1,
     /// The scene gives no usable body.
     Body = -2,
-    /// The reduction does not reach `fidelity.tolerance`.
+    /// The model does not reach `fidelity.tolerance`: the reduction does not, or 64-bit numbers lose more of the body.
     ReductionInaccurate = -3,
     /// The friction solver did not reach its tolerance.
     NotConverged = -4,
@@ -113,11 +117,13 @@ pub enum ErrorCode {
     Poisoned = -15,
     /// No step is small enough for `time.tolerance`.
     ToleranceOutOfReach = -16,
+    /// The caller stopped the compilation.
+    Cancelled = -17,
 }
 
 impl ErrorCode {
     /// All codes.
-    pub const ALL: [ErrorCode; 16] = [
+    pub const ALL: [ErrorCode; 17] = [
         ErrorCode::Scene,
         ErrorCode::Body,
         ErrorCode::ReductionInaccurate,
@@ -134,6 +140,7 @@ impl ErrorCode {
         ErrorCode::Null,
         ErrorCode::Poisoned,
         ErrorCode::ToleranceOutOfReach,
+        ErrorCode::Cancelled,
     ];
 
     /// Name of the C constant, without its prefix.
@@ -155,6 +162,7 @@ impl ErrorCode {
             ErrorCode::Null => c"NULL",
             ErrorCode::Poisoned => c"POISONED",
             ErrorCode::ToleranceOutOfReach => c"TOLERANCE_OUT_OF_REACH",
+            ErrorCode::Cancelled => c"CANCELLED",
         }
     }
 }
@@ -176,6 +184,8 @@ impl Error {
             Error::Bytes { .. } => ErrorCode::Bytes,
             Error::Fingerprint { .. } => ErrorCode::Fingerprint,
             Error::Unstable { .. } => ErrorCode::Unstable,
+            Error::LostDigits { .. } => ErrorCode::ReductionInaccurate,
+            Error::Cancelled { .. } => ErrorCode::Cancelled,
             Error::Null { .. } => ErrorCode::Null,
             Error::Poisoned { .. } => ErrorCode::Poisoned,
             Error::ToleranceOutOfReach { .. } => ErrorCode::ToleranceOutOfReach,
@@ -247,8 +257,18 @@ impl fmt::Display for Error {
             ),
             Error::Unstable { step, limit } => write!(
                 f,
-                "time.step = {step} is beyond the stability limit {limit:.6} of the explicit scheme \"rectangle\""
+                "time.step = {step} is beyond the stability limit {limit:.6} s of the explicit scheme \"rectangle\": take a \
+                 smaller step or another scheme; time.force = true takes it all the same"
             ),
+            Error::LostDigits { lost, tolerance } => write!(
+                f,
+                "64-bit numbers give the response of this body to a relative error of {lost:.1e} only, not the {tolerance:.1e} of \
+                 fidelity.tolerance: its cells are too flat (mesh.size, mesh.cells) or its material keeps its volume too nearly \
+                 (poisson near 1/2, mu1 far above mu2); change that, or loosen fidelity.tolerance"
+            ),
+            Error::Cancelled { phase } => {
+                write!(f, "the compilation was stopped while it was at: {phase}")
+            }
             Error::ToleranceOutOfReach {
                 time,
                 step,

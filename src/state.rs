@@ -130,6 +130,11 @@ const STEPPED: usize = BLOCKS - 3;
 impl State {
     /// The state before initialization.
     pub(crate) fn new(model: &Model) -> State {
+        State::with_rows(model, model.history_capacity())
+    }
+
+    /// The same with another number of rows in the history.
+    fn with_rows(model: &Model, rows: usize) -> State {
         let contact = model.contact().len();
         let nodes = model.contact().node_count();
         let outputs = model.output_count();
@@ -171,7 +176,7 @@ impl State {
             } else {
                 Second::default()
             },
-            history: vec![0.0; model.history_capacity() * history_row(contact)],
+            history: vec![0.0; rows * history_row(contact)],
         }
     }
 
@@ -186,7 +191,7 @@ impl State {
     pub(crate) fn without_history(model: &Model) -> State {
         State {
             history: Vec::new(),
-            ..State::new(model)
+            ..State::with_rows(model, 0)
         }
     }
 

@@ -40,6 +40,9 @@ pub struct SceneChoice {
     /// Replace a value of the scene, e.g. `contact.friction.alpha=50` or `loads[0].start=1`; may be repeated.
     #[arg(long = "set", value_name = "PATH=VALUE", value_parser = parse_override)]
     pub overrides: Vec<(String, String)>,
+    /// Take an explicit scheme beyond its stability limit all the same: `time.force=true` of the scene.
+    #[arg(long)]
+    pub force: bool,
 }
 
 #[derive(Args)]
@@ -61,9 +64,6 @@ pub struct RunOptions {
     /// Draw slip rate and stress along the contact, the stick-slip map and the energies (PNG and SVG).
     #[arg(long, value_name = "DIR")]
     pub plots: Option<PathBuf>,
-    /// Run an explicit scheme beyond its stability limit all the same.
-    #[arg(long)]
-    pub force: bool,
 }
 
 #[derive(Args)]

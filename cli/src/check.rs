@@ -8,7 +8,7 @@ use crate::source;
 use comfy_table::{Table, presets};
 use stickslip::ports::Causality;
 use stickslip::scene::{Scene, Scheme};
-use stickslip::{Compilation, Error, Model};
+use stickslip::{Error, Model};
 
 /// A step resolves a mode of relaxation rate r to a few per mille when `k r` is at most this.
 const RESOLVED: f64 = 0.5;
@@ -16,23 +16,33 @@ const RESOLVED: f64 = 0.5;
 const RINGING: f64 = 2.0;
 
 pub fn check(choice: &SceneChoice) -> Result<(), Failure> {
-    let scene = source::scene(choice, &[])?;
-    let compilation = Compilation::new(&scene).map_err(Failure::of(&choice.scene))?;
+    let mut scene = source::scene(choice, &[])?;
+    // a scene that is refused for its step alone is shown with its limit first
+    let is_forced = std::mem::replace(&mut scene.time.force, true);
+    let compilation = console::compile(&scene).map_err(Failure::of(&choice.scene))?;
     let (scene, model) = (&compilation.scene, &compilation.model);
     let mut rows = closing::compiled(model.summary(), model);
     rows.extend(constants(model));
     rows.extend(step(scene, model));
+    let beyond = closing::exceeded_limit(model);
+    let verdict = match beyond {
+        Some(_) if !is_forced => "refused for its step",
+        _ => "valid",
+    };
     console::say(&closing::two_columns(
-        &format!("{}: valid", choice.scene),
+        &format!("{}: {verdict}", choice.scene),
         rows,
     ))?;
     console::say(&format!("\nports\n{}", ports(model)))?;
     let step = scene.time.step;
-    if let Some(limit) = model.stability_limit().filter(|limit| step > *limit) {
-        let error = Error::Unstable { step, limit };
-        console::warn(&format!("warning: {}: {error}", choice.scene));
+    match beyond.map(|limit| Error::Unstable { step, limit }) {
+        None => Ok(()),
+        Some(error) if is_forced => {
+            console::warn(&format!("warning: {}: {error}", choice.scene));
+            Ok(())
+        }
+        Some(error) => Err(Failure::of(&choice.scene)(error)),
     }
-    Ok(())
 }
 
 /// The certificate, number by number.

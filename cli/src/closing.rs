@@ -172,6 +172,17 @@ pub fn compiled(summary: &Summary, model: &Model) -> Vec<(&'static str, String)>
             ),
         ));
     }
+    if let Some(why) = &summary.fallback {
+        rows.push(("auto", format!("no reduced model: {why}")));
+    }
+    rows.push((
+        "rounding",
+        format!(
+            "{:.1e} of the response of the body, by estimate (fidelity.tolerance {:.1e})",
+            summary.lost_digits,
+            model.scene().fidelity.tolerance
+        ),
+    ));
     if let Some(selection) = &summary.selection {
         rows.push(("target error", target(selection)));
     }
@@ -239,6 +250,12 @@ pub fn certificate(model: &Model) -> Vec<(&'static str, String)> {
         rows.push(("stability limit", format!("{limit:.6} s")));
     }
     rows
+}
+
+/// The stability limit of an explicit scheme whose step is beyond it, s.
+pub fn exceeded_limit(model: &Model) -> Option<f64> {
+    let limit = model.stability_limit();
+    limit.filter(|limit| model.largest_step() > *limit)
 }
 
 /// Name of a kind of model, as scenes write it.

@@ -3,6 +3,9 @@
 use crate::failure::Failure;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{ErrorKind, IsTerminal, Write};
+use std::ops::ControlFlow;
+use stickslip::model::Progress;
+use stickslip::{Compilation, Scene};
 
 /// Prints lines of results. A reader that has closed its end has seen enough: the work goes on without it.
 pub fn say(text: &str) -> Result<(), Failure> {
@@ -26,6 +29,21 @@ pub fn spinner(what: &str) -> ProgressBar {
     }
     spinner.enable_steady_tick(std::time::Duration::from_millis(200));
     spinner
+}
+
+/// Compiles a scene; where stderr is a terminal, with a bar of what is done.
+pub fn compile(scene: &Scene) -> stickslip::Result<Compilation> {
+    let bar = bar(100, &scene.name);
+    if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {percent} %") {
+        bar.set_style(style);
+    }
+    let outcome = Compilation::with(scene, &mut |now: Progress| {
+        bar.set_message(format!("compiling {}: {}", scene.name, now.phase.name()));
+        bar.set_position((100.0 * now.fraction) as u64);
+        ControlFlow::Continue(())
+    });
+    bar.finish_and_clear();
+    outcome
 }
 
 /// A progress bar of `steps`, invisible unless stderr is a terminal.

@@ -57,12 +57,6 @@ impl Effort {
     }
 }
 
-/// The largest internal step that a scene takes where the model allows `largest`, s.
-pub fn internal_step(points: &Points, largest: f64) -> f64 {
-    let step = points.step.min(points.until);
-    step / (step / largest * (1.0 - 1e-9)).ceil().max(1.0)
-}
-
 /// Steps the scene and shows every communication point, the start included, to `observe`.
 pub fn follow(
     scene: &Scene,

@@ -10,7 +10,6 @@ pub enum Failure {
     Library {
         source_name: String,
         error: Box<stickslip::Error>,
-        hint: &'static str,
     },
     /// A file cannot be read or written.
     File {
@@ -50,7 +49,6 @@ impl Failure {
         move |error| Failure::Library {
             source_name: source_name.clone(),
             error: Box::new(error),
-            hint: "",
         }
     }
 }
@@ -58,11 +56,7 @@ impl Failure {
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let text = match self {
-            Failure::Library {
-                source_name,
-                error,
-                hint,
-            } => match error.as_ref() {
+            Failure::Library { source_name, error } => match error.as_ref() {
                 // the library calls a mesh's scene "scene"
                 stickslip::Error::Scene {
                     path,
@@ -70,7 +64,7 @@ impl fmt::Display for Failure {
                     allowed,
                     ..
                 } => format!("{source_name}: at {path}: found {found}; allowed: {allowed}"),
-                error => format!("{source_name}: {error}{hint}"),
+                error => format!("{source_name}: {error}"),
             },
             Failure::File { path, doing, why } => {
                 format!("{}: cannot {doing}: {why}", path.display())

@@ -2,7 +2,7 @@
 
 use crate::arguments::RunOptions;
 use crate::body_picture;
-use crate::closing::Closing;
+use crate::closing::{self, Closing};
 use crate::console;
 use crate::contact_table::ContactTable;
 use crate::course;
@@ -12,8 +12,8 @@ use crate::source;
 use crate::vtk::Series;
 use std::sync::Arc;
 use std::time::Instant;
+use stickslip::Simulator;
 use stickslip::course::Points;
-use stickslip::{Compilation, Error, Simulator};
 
 pub fn run(options: &RunOptions) -> Result<(), Failure> {
     let mut replaced = Vec::new();
@@ -23,10 +23,15 @@ pub fn run(options: &RunOptions) -> Result<(), Failure> {
     let scene = source::scene(&options.choice, &replaced)?;
     let name = options.choice.scene.as_str();
     let start = Instant::now();
-    let compilation = Compilation::new(&scene).map_err(Failure::of(name))?;
+    let compilation = console::compile(&scene).map_err(Failure::of(name))?;
     let setup = start.elapsed();
     let scene = &compilation.scene;
-    refuse_unstable(&compilation, name, options.force)?;
+    if let Some(limit) = closing::exceeded_limit(&compilation.model) {
+        console::warn(&format!(
+            "{name}: time.step = {} is beyond the stability limit {limit:.6} s; time.force takes it all the same",
+            scene.time.step
+        ));
+    }
 
     let contact = &compilation.body.contact;
     let mut table = match &options.csv {
@@ -67,25 +72,4 @@ pub fn run(options: &RunOptions) -> Result<(), Failure> {
         body_picture::draw(folder, scene, &compilation, &simulator)?;
     }
     console::say(&closing.table(&compilation.model, &effort))
-}
-
-/// An explicit scheme beyond its stability limit gives numbers that mean nothing.
-fn refuse_unstable(compilation: &Compilation, name: &str, is_forced: bool) -> Result<(), Failure> {
-    let model = &compilation.model;
-    let step = course::internal_step(&Points::of(&compilation.scene), model.largest_step());
-    match model.stability_limit() {
-        Some(limit) if step > limit => {
-            let error = Error::Unstable { step, limit };
-            if is_forced {
-                console::warn(&format!("{name}: {error}"));
-                return Ok(());
-            }
-            Err(Failure::Library {
-                source_name: name.to_owned(),
-                error: Box::new(error),
-                hint: "; --force runs it all the same",
-            })
-        }
-        _ => Ok(()),
-    }
 }

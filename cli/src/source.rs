@@ -29,6 +29,15 @@ pub fn scene(choice: &SceneChoice, more: &[(String, String)]) -> Result<Scene, F
             &read
         }
     };
-    let overrides: Vec<_> = choice.overrides.iter().chain(more).cloned().collect();
+    let forced = choice
+        .force
+        .then(|| ("time.force".to_owned(), "true".to_owned()));
+    let overrides: Vec<_> = choice
+        .overrides
+        .iter()
+        .chain(more)
+        .chain(&forced)
+        .cloned()
+        .collect();
     Scene::with_overrides(text, name, &overrides).map_err(Failure::of(name))
 }

@@ -6,6 +6,7 @@ use super::guard::{
 use super::model::stickslip_model;
 use super::{STICKSLIP_NOT_UNIQUE, STICKSLIP_OK};
 use crate::error::{Error, Result};
+use crate::model::ensure_available;
 use crate::simulator::Simulator;
 use std::cell::UnsafeCell;
 use std::sync::Arc;
@@ -96,7 +97,7 @@ pub(super) unsafe fn with(
 }
 
 /// Creates a simulator of `model` in `*simulator`, before its initialization; the caller frees it. It keeps what it needs
-/// of the model alive. Errors: `NULL`. Any thread.
+/// of the model alive. Errors: `NULL`, `BODY` when there is not enough memory. Any thread.
 ///
 /// # Safety
 /// `model` is NULL or live, `simulator` NULL or writable.
@@ -109,6 +110,7 @@ pub unsafe extern "C" fn stickslip_new(
         place(simulator, "simulator")?;
         // SAFETY: as promised by the caller
         let model = unsafe { handle(model) }?;
+        ensure_available("a simulator", model.model.simulator_bytes())?;
         let new = stickslip_simulator::new(Simulator::new(Arc::clone(&model.model)));
         unsafe { give(simulator, new) };
         Ok(STICKSLIP_OK)
@@ -117,7 +119,7 @@ pub unsafe extern "C" fn stickslip_new(
 }
 
 /// Creates in `*copy` an independent simulator of the same model in the same state; the caller frees it. Errors: `NULL`,
-/// `POISONED`.
+/// `POISONED`, `BODY` when there is not enough memory.
 ///
 /// # Safety
 /// `simulator` is NULL or live, `copy` NULL or writable.
@@ -128,6 +130,7 @@ pub unsafe extern "C" fn stickslip_clone(
 ) -> i32 {
     let call = |simulator: &mut Simulator| {
         place(copy, "copy")?;
+        ensure_available("a simulator", simulator.model().simulator_bytes())?;
         let new = stickslip_simulator::new(simulator.clone());
         unsafe { give(copy, new) };
         Ok(STICKSLIP_OK)

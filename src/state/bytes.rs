@@ -1,8 +1,9 @@
 //! Bytes of a saved state: a frame (see `crate::bytes`) of the counters and then the values.
 
-use super::{COUNTERS, MEANINGS, State};
+use super::{COUNTERS, MEANINGS, State, history_row};
 use crate::bytes::{Frame, HEADER, OVERHEAD, Reader};
 use crate::error::Result;
+use crate::model::Model;
 
 const FRAME: Frame = Frame {
     magic: *b"SLIPSTAT",
@@ -14,6 +15,16 @@ impl State {
     /// Length of [`State::to_bytes`].
     pub fn byte_len(&self) -> usize {
         OVERHEAD + 8 * (COUNTERS + self.len())
+    }
+
+    /// The same of the states of a model, without the memory of its recorded past.
+    pub(crate) fn byte_len_of(model: &Model) -> usize {
+        let past = model
+            .history_capacity()
+            .saturating_mul(history_row(model.contact().len()));
+        State::without_history(model)
+            .byte_len()
+            .saturating_add(past.saturating_mul(8))
     }
 
     /// Versioned, checksummed bytes; they fit every simulator of a model with the same fingerprint.

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use stickslip::course::{Points, set_loads, set_loads_of_step};
 use stickslip::tradeoff::{Candidate, Reference, Setting, Study};
-use stickslip::{Compilation, Error, Result, Simulator};
+use stickslip::{Compilation, Result, Simulator};
 
 /// Compilations and runs are repeated while they take no more than this together, and the fastest counts.
 const LONGEST_REPETITION: Duration = Duration::from_millis(150);
@@ -114,7 +114,6 @@ impl Clock {
         setting: &Setting,
     ) -> Result<Point> {
         let candidate = self.compile(study, setting)?;
-        refuse_unstable(&candidate)?;
         let setup = self.setups.get(&study.body_of(setting)?).copied();
         let sample = candidate.run()?;
         let stepping = fastest(step_through(&candidate)?, || step_through(&candidate))?;
@@ -131,15 +130,6 @@ impl Clock {
             model_bytes: model.summary().bytes,
             state_bytes: Simulator::new(Arc::clone(model)).state().byte_len(),
         })
-    }
-}
-
-/// An explicit scheme beyond its stability limit gives numbers that mean nothing.
-fn refuse_unstable(candidate: &Candidate) -> Result<()> {
-    let step = candidate.scene.time.step;
-    match candidate.model.stability_limit() {
-        Some(limit) if step > limit => Err(Error::Unstable { step, limit }),
-        _ => Ok(()),
     }
 }
 

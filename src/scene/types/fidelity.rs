@@ -31,6 +31,10 @@ pub struct Time {
     /// and the command; `continue` in an FMU, whose importers set inputs at the beginning of a step.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub inputs: Option<Inputs>,
+    /// Takes the explicit scheme `rectangle` beyond its stability limit, where a compilation otherwise refuses it: errors then
+    /// grow from step to step without bound. Default: false.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub force: bool,
 }
 
 impl Time {
@@ -89,7 +93,8 @@ pub enum Start {
 pub struct Fidelity {
     /// What is kept of the body. Default: `auto`.
     pub model: ModelKind,
-    /// Relative error of the reduced body seen through its ports. Default: 1e-8; a smaller one keeps more states.
+    /// Relative error of the body seen through its ports. Default: 1e-8; in a reduced model a smaller one keeps more states. A body
+    /// of which 64-bit numbers lose more is refused, whatever the model: one of very flat cells, or nearly incompressible.
     #[schemars(range(min = 1e-12, max = 1e-1))]
     pub tolerance: f64,
     /// Precision in which a reduced model keeps its port matrix; only with `model` `reduced`. Default: `double`.
@@ -107,6 +112,11 @@ pub struct Fidelity {
     #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub target_error: Option<f64>,
+    /// Most memory that compilation, model and one simulator may take by estimate, bytes; what needs more is refused with the
+    /// estimate. Default: 8 GiB.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub memory_limit: Option<f64>,
     /// Friction solver. Default: `newton`.
     pub solver: FrictionSolver,
     /// Looks, at every step, for a second solution from all-static and all-kinetic bounds; costs two more solves.
@@ -122,9 +132,17 @@ impl Default for Fidelity {
             precision: Precision::Double,
             friction_tolerance: 1e-10,
             target_error: None,
+            memory_limit: None,
             solver: FrictionSolver::default(),
             multiplicity_test: false,
         }
+    }
+}
+
+impl Fidelity {
+    /// Most memory, bytes.
+    pub fn memory_limit(&self) -> f64 {
+        self.memory_limit.unwrap_or(8.0 * f64::from(1 << 30))
     }
 }
 
