@@ -248,14 +248,15 @@ mod tests {
     /// Inputs mean the beginning of a step unless the scene says otherwise; every word is one of the scene.
     #[test]
     fn inputs_mean_what_the_scene_says() {
-        let with = |word: &str| {
-            let change = [("time.inputs".to_owned(), word.to_owned())];
-            let scene = Scene::with_overrides(paper(), "kazmi2014", &change);
+        let meaning_of = |scene: stickslip::Result<Scene>| {
             inputs_meaning(&values(&scene.expect("a valid scene")))
         };
-        assert_eq!(with("null"), Inputs::Continue);
+        let silent = Scene::from_json(paper(), "kazmi2014");
+        assert_eq!(meaning_of(silent), Inputs::Continue);
         for (word, meaning) in CHOICES[4].words.iter().zip(MEANINGS) {
-            assert_eq!(with(&format!("\"{word}\"")), meaning);
+            let change = [("time.inputs".to_owned(), format!("\"{word}\""))];
+            let scene = Scene::with_overrides(paper(), "kazmi2014", &change);
+            assert_eq!(meaning_of(scene), meaning);
         }
     }
 
