@@ -154,8 +154,9 @@ impl Writer {
     }
 }
 
-/// Numbers of a model are not larger than this: products of two of them stay finite in a step.
-pub const LARGEST: f64 = 1e100;
+/// Numbers of a model are not larger than this, and those that are divided by not smaller than its reciprocal: energies, products
+/// of five of them, stay finite in a step.
+pub const LARGEST: f64 = 1e60;
 
 /// # Errors
 /// [`Error::Bytes`] for a number that is not finite, or so large that a step would overflow.

@@ -155,7 +155,7 @@ impl Field {
             return Err(Reader::refusal("the pattern of the operators is not one"));
         }
         let diagonal = || col_ptr[..n].iter().copied();
-        if !diagonal().all(|at| a[at] > 0.0 && b[at] > 0.0) {
+        if !diagonal().all(|at| a[at] * LARGEST >= 1.0 && b[at] * LARGEST >= 1.0) {
             return Err(Reader::refusal(
                 "the diagonal of an operator is not positive",
             ));
