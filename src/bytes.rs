@@ -154,13 +154,18 @@ impl Writer {
     }
 }
 
+/// Numbers of a model are not larger than this, and those that are divided by not smaller than its reciprocal: energies, products
+/// of five of them, stay finite in a step.
+pub const LARGEST: f64 = 1e60;
+
 /// # Errors
-/// [`Error::Bytes`] for a number that is not finite.
+/// [`Error::Bytes`] for a number that is not finite, or so large that a step would overflow.
 fn check_finite(mut values: impl Iterator<Item = f64>) -> Result<()> {
-    match values.position(|v| !v.is_finite()) {
+    // written so that a number that is none is refused
+    match values.position(|v| !(v.abs() <= LARGEST)) {
         None => Ok(()),
         Some(at) => Err(Reader::refusal(format!(
-            "number {at} of a list is not finite"
+            "number {at} of a list is not finite, or beyond {LARGEST:e}"
         ))),
     }
 }
@@ -230,7 +235,7 @@ impl<'a> Reader<'a> {
         Ok(self.words(count)?.map(f64::from_bits).collect())
     }
 
-    /// Numbers, every one finite.
+    /// Numbers, every one finite and not beyond [`LARGEST`].
     pub fn finite(&mut self) -> Result<Vec<f64>> {
         let values = self.floats()?;
         check_finite(values.iter().copied())?;

@@ -1,6 +1,6 @@
 //! What the full and the condensed model share: the sparse operators, their symbolic factor, loads and outputs.
 
-use crate::bytes::{Reader, Writer};
+use crate::bytes::{LARGEST, Reader, Writer};
 use crate::error::Result;
 use crate::fem::{Body, OperatorPair};
 use crate::linalg::{DenseCholesky, SparseCholesky};
@@ -155,7 +155,7 @@ impl Field {
             return Err(Reader::refusal("the pattern of the operators is not one"));
         }
         let diagonal = || col_ptr[..n].iter().copied();
-        if !diagonal().all(|at| a[at] > 0.0 && b[at] > 0.0) {
+        if !diagonal().all(|at| a[at] * LARGEST >= 1.0 && b[at] * LARGEST >= 1.0) {
             return Err(Reader::refusal(
                 "the diagonal of an operator is not positive",
             ));
@@ -165,7 +165,7 @@ impl Field {
             let mut vector = SparseVector::new();
             for _ in 0..count {
                 let (dof, value) = (from.size()?, from.float()?);
-                if dof >= n || !value.is_finite() {
+                if dof >= n || !(value.abs() <= LARGEST) {
                     return Err(Reader::refusal(format!("{value} at dof {dof} of {n}")));
                 }
                 vector.push((dof, value));
