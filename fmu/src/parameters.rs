@@ -84,7 +84,7 @@ pub const PARAMETERS: [Parameter; 12] = [
     parameter(
         "fidelity.friction_tolerance",
         Kind::Real("1"),
-        "Relative residual of the friction law at every contact node.",
+        "Force by which the friction law may be violated at a contact node, relative to the bound there.",
     ),
     parameter(
         "material.viscosity.mu1",

@@ -6,7 +6,7 @@ use crate::error::Result;
 
 const FRAME: Frame = Frame {
     magic: *b"SLIPSTAT",
-    format: 2,
+    format: 3,
     what: "saved state",
 };
 
