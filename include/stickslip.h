@@ -47,6 +47,10 @@
 // The step was taken, but the multiplicity test (scene: `fidelity.multiplicity_test`) found more than one solution.
 #define STICKSLIP_NOT_UNIQUE 1
 
+// The step was taken, but rounding kept the friction law from holding to `fidelity.friction_tolerance`: the output
+// `solver.residual` tells to what share of the forces that meet at a contact node it holds, never worse than 1e-8.
+#define STICKSLIP_AT_ROUNDING 2
+
 // Causality of a port: set before a step, by default its value at the end of the step (`stickslip_set_inputs_meaning`).
 #define STICKSLIP_INPUT 0
 
@@ -357,7 +361,8 @@ int32_t stickslip_set_many(struct stickslip_simulator *simulator,
 
 // Steps from `time` to `time + step` (s). `time` is where the simulation stands, up to rounding; a step of any size is cut
 // into internal steps. Allocates nothing once the step size is known. Returns `NOT_UNIQUE` (> 0) when the step was
-// taken but the multiplicity test found other solutions. Errors, with the state bit for bit as before: `CALL_ORDER` before
+// taken but the multiplicity test found other solutions, `AT_ROUNDING` (> 0) when it was taken but rounding kept the friction
+// law from holding to its tolerance. Errors, with the state bit for bit as before: `CALL_ORDER` before
 // `stickslip_init`, `STEP`, `VALUE` for friction coefficients that do not fit each other, `NOT_CONVERGED`.
 int32_t stickslip_do_step(struct stickslip_simulator *simulator,
                           double time,
@@ -518,7 +523,8 @@ int32_t stickslip_set_many(struct stickslip_simulator *simulator,
 
 // Steps from `time` to `time + step` (s). `time` is where the simulation stands, up to rounding; a step of any size is cut
 // into internal steps. Allocates nothing once the step size is known. Returns `NOT_UNIQUE` (> 0) when the step was
-// taken but the multiplicity test found other solutions. Errors, with the state bit for bit as before: `CALL_ORDER` before
+// taken but the multiplicity test found other solutions, `AT_ROUNDING` (> 0) when it was taken but rounding kept the friction
+// law from holding to its tolerance. Errors, with the state bit for bit as before: `CALL_ORDER` before
 // `stickslip_init`, `STEP`, `VALUE` for friction coefficients that do not fit each other, `NOT_CONVERGED`.
 int32_t stickslip_do_step(struct stickslip_simulator *simulator,
                           double time,

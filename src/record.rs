@@ -54,7 +54,8 @@ pub(crate) fn integrate_solution(
     }
 }
 
-/// Energies of the step from the means (weights b_j) of loads, velocities and contact forces.
+/// Energies of the step from the means (weights b_j) of loads, velocities and contact forces: those of balance, so that
+/// what the friction solver leaves does not show in the energies.
 pub(crate) fn add_energies(model: &Model, state: &mut State, ws: &mut Workspace, k: f64) {
     let tableau = model.tableau();
     let Workspace {
@@ -66,7 +67,7 @@ pub(crate) fn add_energies(model: &Model, state: &mut State, ws: &mut Workspace,
     // the outputs begin with the loads
     state.energy[energy::EXTERNAL_WORK] += k * dot(&mean.load, &mean.outputs);
     state.energy[energy::VISCOUS] += k * viscous;
-    state.energy[energy::FRICTION] += k * dot(&mean.force, &mean.contact);
+    state.energy[energy::FRICTION] += k * dot(&mean.reaction, &mean.contact);
     state.energy[energy::ELASTIC] = 0.5 * elastic;
 }
 

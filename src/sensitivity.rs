@@ -1,7 +1,7 @@
 //! Derivatives of the outputs at the end of the last step by its inputs, whatever they mean: the consistent tangent.
 //!
 //! Every formula of the step is differentiated where the step was solved. All of them are linear in the tangents except
-//! the friction problem, whose tangent `dw` is `friction::tangent`'s and gives `dLambda = dr - S dw`. The last step is
+//! the friction problem, whose tangents `dw` and `dLambda` are `friction::tangent`'s. The last step is
 //! taken once more from the state before it, so that a step without derivatives costs nothing extra; the repeated step
 //! is the same bit for bit. Where a node is just about to change between stick and slip the outputs have a kink: the
 //! derivative is then that of the branch on which the step ended. An input enters as its course over the step has it
@@ -268,15 +268,24 @@ impl Tangents {
                 &mut velocity.magnitude,
             );
             multiply(contact.s, &velocity.contact, &mut self.product);
-            for (force, (dr, product)) in
-                velocity.force.iter_mut().zip(dr.iter().zip(&self.product))
+            for (reaction, (dr, product)) in velocity
+                .reaction
+                .iter_mut()
+                .zip(dr.iter().zip(&self.product))
             {
-                *force = dr - product;
+                *reaction = dr - product;
             }
+            let slip = &tangent.explicit.accumulated_slip;
+            friction.forces(
+                &velocity.contact,
+                slip,
+                &velocity.reaction,
+                &mut velocity.force,
+            );
             body.correct(
                 stage,
                 &velocity.contact,
-                &velocity.force,
+                &velocity.reaction,
                 &mut velocity.body,
                 &mut ws.scratch,
             );
@@ -359,7 +368,7 @@ impl Companion for Tangents {
                 k * (dot(&mean.load, &d.outputs) + dot(&d.load, &mean.outputs));
             energy[energy::VISCOUS] += 2.0 * k * viscous;
             energy[energy::FRICTION] +=
-                k * (dot(&mean.force, &d.contact) + dot(&d.force, &mean.contact));
+                k * (dot(&mean.reaction, &d.contact) + dot(&d.reaction, &mean.contact));
             energy[energy::ELASTIC] = elastic;
             t.velocities.swap(0, last);
         }

@@ -36,8 +36,11 @@ pub struct State {
     pub(crate) slip_rate: Vec<f64>,
     /// Tangential displacement relative to the foundation, m.
     pub(crate) slip: Vec<f64>,
-    /// Contact forces Lambda, N; the force on the body is minus this.
+    /// Contact forces Lambda of the friction law, N; the force on the body is minus this. A node that slips carries its bound.
     pub(crate) force: Vec<f64>,
+    /// Contact forces with which the body is in balance, N: those of the law but for what the friction solver leaves. They
+    /// do the work in the energy balance.
+    pub(crate) reaction: Vec<f64>,
     /// Accumulated slip, m, one per node.
     pub(crate) accumulated_slip: Vec<f64>,
     /// Load intensities now.
@@ -81,7 +84,9 @@ pub(crate) mod report {
     pub const RESIDUAL: usize = 1;
     pub const SOLUTIONS: usize = 2;
     pub const SOLUTION_GAP: usize = 3;
-    pub const COUNT: usize = 4;
+    /// 1 when the friction law holds as well as rounding allows, but not to the tolerance.
+    pub const AT_ROUNDING: usize = 4;
+    pub const COUNT: usize = 5;
 }
 
 /// Places in `State::control`.
@@ -123,7 +128,7 @@ pub(crate) mod input_memory {
 const MEANINGS: [Inputs; 3] = [Inputs::EndOfStep, Inputs::Hold, Inputs::Continue];
 
 const COUNTERS: usize = 6;
-const BLOCKS: usize = 24;
+const BLOCKS: usize = 26;
 /// How many of them, the first ones, internal steps change.
 const STEPPED: usize = BLOCKS - 3;
 
@@ -152,6 +157,7 @@ impl State {
             slip_rate: vec![0.0; contact],
             slip: vec![0.0; contact],
             force: vec![0.0; contact],
+            reaction: vec![0.0; contact],
             accumulated_slip: vec![0.0; nodes],
             loads: start.clone(),
             input_memory: vec![0.0; input_memory::of_load(start.len())],
@@ -169,6 +175,7 @@ impl State {
                     velocity: vec![0.0; model.states()],
                     slip_rate: vec![0.0; contact],
                     force: vec![0.0; contact],
+                    reaction: vec![0.0; contact],
                     accumulated_slip: vec![0.0; nodes],
                     output_velocity: vec![0.0; outputs],
                     linearisation: no_points(nodes, model.contact().components),
@@ -203,6 +210,7 @@ impl State {
             &self.slip_rate,
             &self.slip,
             &self.force,
+            &self.reaction,
             &self.accumulated_slip,
             &self.loads,
             &self.inputs,
@@ -216,6 +224,7 @@ impl State {
             &self.second.velocity,
             &self.second.slip_rate,
             &self.second.force,
+            &self.second.reaction,
             &self.second.accumulated_slip,
             &self.second.output_velocity,
             &self.second.linearisation,
@@ -232,6 +241,7 @@ impl State {
             &mut self.slip_rate,
             &mut self.slip,
             &mut self.force,
+            &mut self.reaction,
             &mut self.accumulated_slip,
             &mut self.loads,
             &mut self.inputs,
@@ -245,6 +255,7 @@ impl State {
             &mut self.second.velocity,
             &mut self.second.slip_rate,
             &mut self.second.force,
+            &mut self.second.reaction,
             &mut self.second.accumulated_slip,
             &mut self.second.output_velocity,
             &mut self.second.linearisation,

@@ -15,7 +15,10 @@ pub(crate) struct Velocity {
     pub contact: Vec<f64>,
     /// Magnitude of the slip rate, one per node.
     pub magnitude: Vec<f64>,
+    /// Contact forces of the friction law.
     pub force: Vec<f64>,
+    /// Contact forces with which the body is in balance.
+    pub reaction: Vec<f64>,
     /// Work-conjugate integrals of the loads, then probes.
     pub outputs: Vec<f64>,
     pub load: Vec<f64>,
@@ -29,6 +32,7 @@ impl Velocity {
             contact: vec![0.0; contact.len()],
             magnitude: vec![0.0; contact.node_count()],
             force: vec![0.0; contact.len()],
+            reaction: vec![0.0; contact.len()],
             outputs: vec![0.0; model.output_count()],
             load: vec![0.0; model.interpolations().len()],
         }
@@ -39,6 +43,7 @@ impl Velocity {
         self.body.copy_from_slice(&state.velocity);
         self.contact.copy_from_slice(&state.slip_rate);
         self.force.copy_from_slice(&state.force);
+        self.reaction.copy_from_slice(&state.reaction);
         self.outputs.copy_from_slice(&state.output_velocity);
         let components = self.contact.len() / self.magnitude.len();
         for (to, w) in self
@@ -58,6 +63,7 @@ impl Velocity {
     pub fn store_contact(&self, state: &mut State) {
         state.slip_rate.copy_from_slice(&self.contact);
         state.force.copy_from_slice(&self.force);
+        state.reaction.copy_from_slice(&self.reaction);
     }
 
     /// Makes this the instant of the state.
@@ -72,11 +78,12 @@ impl Velocity {
         self.contact.copy_from_slice(&other.contact);
         self.magnitude.copy_from_slice(&other.magnitude);
         self.force.copy_from_slice(&other.force);
+        self.reaction.copy_from_slice(&other.reaction);
         self.outputs.copy_from_slice(&other.outputs);
         self.load.copy_from_slice(&other.load);
     }
 
-    /// The mean over a step (weights b_j) of the velocities at its start and its stages.
+    /// The mean over a step (weights b_j) of the velocities at its start and its stages; of the forces only those of balance.
     pub fn set_mean(&mut self, tableau: &Tableau, velocities: &[Velocity]) {
         let count = tableau.stages().len() + 1;
         for (j, velocity) in velocities[..count].iter().enumerate() {
@@ -84,7 +91,7 @@ impl Velocity {
             let others = [
                 &velocity.body,
                 &velocity.contact,
-                &velocity.force,
+                &velocity.reaction,
                 &velocity.outputs,
                 &velocity.load,
             ];
@@ -103,7 +110,7 @@ impl Velocity {
         [
             &mut self.body,
             &mut self.contact,
-            &mut self.force,
+            &mut self.reaction,
             &mut self.outputs,
             &mut self.load,
         ]

@@ -103,7 +103,14 @@ impl Closing {
         ));
         rows.push((
             "friction residual",
-            format!("{:.1e} at most", effort.residual),
+            match effort.at_rounding {
+                0 => format!("{:.1e} at most", effort.residual),
+                steps => format!(
+                    "{:.1e} at most; in {steps} steps rounding allows for no tolerance of {:.1e}",
+                    effort.residual,
+                    model.scene().fidelity.friction_tolerance
+                ),
+            },
         ));
         if let Some(estimate) = effort.error_estimate {
             rows.push((

@@ -39,6 +39,8 @@ pub struct Effort {
     pub refused_pairs: u64,
     /// Largest friction residual.
     pub residual: f64,
+    /// Communication steps in which rounding kept the friction law from holding to the tolerance.
+    pub at_rounding: u64,
     /// Largest estimate of the error in time, where there is one.
     pub error_estimate: Option<f64>,
     /// Time spent in steps.
@@ -82,6 +84,7 @@ pub fn follow(
             .push(scalar("solver.iterations").map_err(&failed)?);
         let residual = scalar("solver.residual").map_err(&failed)?;
         effort.residual = effort.residual.max(residual);
+        effort.at_rounding += u64::from(simulator.residual_at_rounding().is_some());
         if let Ok(estimate) = scalar("solver.error_estimate") {
             effort.error_estimate = Some(effort.error_estimate.unwrap_or(0.0).max(estimate));
         }

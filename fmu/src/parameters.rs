@@ -103,7 +103,7 @@ pub const PARAMETERS: [Parameter; 13] = [
     parameter(
         "fidelity.friction_tolerance",
         Kind::Real("1"),
-        "Relative residual of the friction law at every contact node.",
+        "Force by which the friction law may be violated at a contact node, relative to the bound there.",
     ),
     parameter(
         "material.viscosity.mu1",

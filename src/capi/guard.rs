@@ -301,6 +301,7 @@ pub extern "C" fn stickslip_code_name(code: i32) -> *const c_char {
     let name = match code {
         super::STICKSLIP_OK => c"OK",
         super::STICKSLIP_NOT_UNIQUE => c"NOT_UNIQUE",
+        super::STICKSLIP_AT_ROUNDING => c"AT_ROUNDING",
         _ => ErrorCode::ALL
             .iter()
             .find(|known| **known as i32 == code)

@@ -4,7 +4,7 @@ use super::guard::{
     self, Handle, free, give, guarded, handle, last_message, place, remember, values_mut,
 };
 use super::model::stickslip_model;
-use super::{STICKSLIP_NOT_UNIQUE, STICKSLIP_OK};
+use super::{STICKSLIP_AT_ROUNDING, STICKSLIP_NOT_UNIQUE, STICKSLIP_OK};
 use crate::error::{Error, Result};
 use crate::model::ensure_available;
 use crate::simulator::Simulator;
@@ -250,7 +250,8 @@ pub unsafe extern "C" fn stickslip_set_many(
 
 /// Steps from `time` to `time + step` (s). `time` is where the simulation stands, up to rounding; a step of any size is cut
 /// into internal steps. Allocates nothing once the step size is known. Returns `NOT_UNIQUE` (> 0) when the step was
-/// taken but the multiplicity test found other solutions. Errors, with the state bit for bit as before: `CALL_ORDER` before
+/// taken but the multiplicity test found other solutions, `AT_ROUNDING` (> 0) when it was taken but rounding kept the friction
+/// law from holding to its tolerance. Errors, with the state bit for bit as before: `CALL_ORDER` before
 /// `stickslip_init`, `STEP`, `VALUE` for friction coefficients that do not fit each other, `NOT_CONVERGED`.
 ///
 /// # Safety
@@ -269,6 +270,13 @@ pub unsafe extern "C" fn stickslip_do_step(
                 "the step at time {time} has {solutions} solutions, up to {gap} m/s apart"
             ));
             return Ok(STICKSLIP_NOT_UNIQUE);
+        }
+        if let Some(residual) = simulator.residual_at_rounding() {
+            remember(format_args!(
+                "the friction law of the step at time {time} holds to {residual:.1e} of the forces that meet at a node, as well \
+                 as rounding allows, not to the tolerance"
+            ));
+            return Ok(STICKSLIP_AT_ROUNDING);
         }
         Ok(STICKSLIP_OK)
     };

@@ -185,9 +185,10 @@ pub struct FactorCache {
 }
 
 impl FactorCache {
-    pub fn new(nodes: usize, len: usize) -> FactorCache {
+    /// Room for the factors at `points` points, of `nodes` nodes with `len` components in all.
+    pub fn new(points: usize, nodes: usize, len: usize) -> FactorCache {
         FactorCache {
-            factors: (0..POINTS).map(|_| Factor::new(nodes, len)).collect(),
+            factors: (0..points).map(|_| Factor::new(nodes, len)).collect(),
             current: None,
             factorizations: 0,
             clock: 0,
@@ -206,7 +207,7 @@ impl FactorCache {
         let slot = match known {
             Some(slot) => slot,
             None => {
-                let oldest = (0..POINTS)
+                let oldest = (0..self.factors.len())
                     .min_by_key(|&i| self.factors[i].last_use)
                     .unwrap_or(0);
                 let factor = &mut self.factors[oldest];

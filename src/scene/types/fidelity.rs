@@ -99,7 +99,8 @@ pub struct Fidelity {
     pub tolerance: f64,
     /// Precision in which a reduced model keeps its port matrix; only with `model` `reduced`. Default: `double`.
     pub precision: Precision,
-    /// Relative residual of the friction law at every contact node. Default: 1e-10; costs few iterations.
+    /// Force by which the friction law may be violated at a contact node, relative to the bound there: a tolerance of the
+    /// stress. Default: 1e-10; costs few iterations.
     #[schemars(range(min = 1e-14, max = 1e-2))]
     pub friction_tolerance: f64,
     /// Relative error that the compilation is to meet, e.g. 0.01; default: none, and all settings are as given. The error
