@@ -28,7 +28,8 @@
  * Manners     No printing, no threads, no signals, no environment, no files. No allocation in set_inputs, set, set_many,
  *             do_step (at step sizes met before), get_outputs, get, save_state, restore_state. A panic inside the library
  *             is caught: the call returns STICKSLIP_POISONED, and so does every later one with that simulator, which can
- *             only be freed.
+ *             only be freed. Floating-point traps, rounding mode and flushing to zero of the host are put aside for a
+ *             call and are back, sticky flags included, when it returns.
  * Results are reproducible: the same calls on the same model give the same bits, in any thread.
  */
 
@@ -94,6 +95,8 @@ enum stickslip_code
   STICKSLIP_POISONED = -15,
   // No step is small enough for `time.tolerance`.
   STICKSLIP_TOLERANCE_OUT_OF_REACH = -16,
+  // A result is too large for a number.
+  STICKSLIP_OVERFLOW = -18,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -165,9 +168,6 @@ typedef struct stickslip_port {
   size_t offset;
 } stickslip_port;
 
-// All codes.
-#define stickslip_code_ALL { stickslip_code_Scene, stickslip_code_Body, stickslip_code_ReductionInaccurate, stickslip_code_NotConverged, stickslip_code_NotPositiveDefinite, stickslip_code_Step, stickslip_code_Length, stickslip_code_Value, stickslip_code_Unknown, stickslip_code_CallOrder, stickslip_code_Bytes, stickslip_code_Fingerprint, stickslip_code_Unstable, stickslip_code_Null, stickslip_code_Poisoned, stickslip_code_ToleranceOutOfReach, }
-
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -183,7 +183,7 @@ uint32_t stickslip_abi_version(void);
 // ordered as `stickslip_get_outputs`; units are those of the output per unit of the input. Where a node is just about to
 // change between stick and slip, the derivative is that of the branch the step ended on; counts and indicators have the
 // derivative 0. Costs about one step, allocates, changes no state. Errors: `CALL_ORDER` when the state is not the end of a
-// step (after init, reset, restore, deserialize), `LENGTH`, `VALUE`, `NULL`.
+// step (after init, reset, restore, deserialize), `LENGTH`, `VALUE`, `OVERFLOW`, `NULL`.
 int32_t stickslip_directional_derivative(struct stickslip_simulator *simulator,
                                          const double *seed,
                                          size_t inputs,
@@ -278,7 +278,7 @@ void stickslip_free(struct stickslip_simulator *simulator);
 
 // Starts the simulation at `time` (s) with the body undeformed. Inputs set before are the loads at that instant; without
 // them the start values of the scene are. Errors: `CALL_ORDER` when already initialized, `VALUE` for a time that is not
-// finite or friction coefficients that do not fit each other, `NOT_CONVERGED`.
+// finite or friction coefficients that do not fit each other, `NOT_CONVERGED`, `OVERFLOW`.
 int32_t stickslip_init(struct stickslip_simulator *simulator,
                        double time);
 
@@ -311,7 +311,8 @@ int32_t stickslip_set_many(struct stickslip_simulator *simulator,
 // Steps from `time` to `time + step` (s). `time` is where the simulation stands, up to rounding; a step of any size is cut
 // into internal steps. Allocates nothing once the step size is known. Returns `NOT_UNIQUE` (> 0) when the step was
 // taken but the multiplicity test found other solutions. Errors, with the state bit for bit as before: `CALL_ORDER` before
-// `stickslip_init`, `STEP`, `VALUE` for friction coefficients that do not fit each other, `NOT_CONVERGED`.
+// `stickslip_init`, `STEP`, `VALUE` for friction coefficients that do not fit each other, `NOT_CONVERGED`,
+// `TOLERANCE_OUT_OF_REACH`, `OVERFLOW` for results that are too large for a number.
 int32_t stickslip_do_step(struct stickslip_simulator *simulator,
                           double time,
                           double step);
@@ -359,8 +360,8 @@ int32_t stickslip_serialize(const struct stickslip_simulator *simulator,
                             size_t *length);
 
 // Continues from the bytes of `stickslip_serialize`, in this process or another, on this machine or another that holds the
-// same compiled model. Errors, with the state as before: `BYTES` (of another kind or version, truncated, damaged),
-// `FINGERPRINT`, `NULL`.
+// same compiled model. Errors, with the state as before: `BYTES` (of another kind or version, truncated, damaged, or a state
+// that no simulation leaves behind: numbers that are not finite, counters out of range), `FINGERPRINT`, `NULL`.
 int32_t stickslip_deserialize(struct stickslip_simulator *simulator,
                               const uint8_t *bytes,
                               size_t length);
@@ -430,7 +431,7 @@ void stickslip_free(struct stickslip_simulator *simulator);
 
 // Starts the simulation at `time` (s) with the body undeformed. Inputs set before are the loads at that instant; without
 // them the start values of the scene are. Errors: `CALL_ORDER` when already initialized, `VALUE` for a time that is not
-// finite or friction coefficients that do not fit each other, `NOT_CONVERGED`.
+// finite or friction coefficients that do not fit each other, `NOT_CONVERGED`, `OVERFLOW`.
 int32_t stickslip_init(struct stickslip_simulator *simulator,
                        double time);
 
@@ -463,7 +464,8 @@ int32_t stickslip_set_many(struct stickslip_simulator *simulator,
 // Steps from `time` to `time + step` (s). `time` is where the simulation stands, up to rounding; a step of any size is cut
 // into internal steps. Allocates nothing once the step size is known. Returns `NOT_UNIQUE` (> 0) when the step was
 // taken but the multiplicity test found other solutions. Errors, with the state bit for bit as before: `CALL_ORDER` before
-// `stickslip_init`, `STEP`, `VALUE` for friction coefficients that do not fit each other, `NOT_CONVERGED`.
+// `stickslip_init`, `STEP`, `VALUE` for friction coefficients that do not fit each other, `NOT_CONVERGED`,
+// `TOLERANCE_OUT_OF_REACH`, `OVERFLOW` for results that are too large for a number.
 int32_t stickslip_do_step(struct stickslip_simulator *simulator,
                           double time,
                           double step);
@@ -511,8 +513,8 @@ int32_t stickslip_serialize(const struct stickslip_simulator *simulator,
                             size_t *length);
 
 // Continues from the bytes of `stickslip_serialize`, in this process or another, on this machine or another that holds the
-// same compiled model. Errors, with the state as before: `BYTES` (of another kind or version, truncated, damaged),
-// `FINGERPRINT`, `NULL`.
+// same compiled model. Errors, with the state as before: `BYTES` (of another kind or version, truncated, damaged, or a state
+// that no simulation leaves behind: numbers that are not finite, counters out of range), `FINGERPRINT`, `NULL`.
 int32_t stickslip_deserialize(struct stickslip_simulator *simulator,
                               const uint8_t *bytes,
                               size_t length);
@@ -522,7 +524,7 @@ int32_t stickslip_deserialize(struct stickslip_simulator *simulator,
 // ordered as `stickslip_get_outputs`; units are those of the output per unit of the input. Where a node is just about to
 // change between stick and slip, the derivative is that of the branch the step ended on; counts and indicators have the
 // derivative 0. Costs about one step, allocates, changes no state. Errors: `CALL_ORDER` when the state is not the end of a
-// step (after init, reset, restore, deserialize), `LENGTH`, `VALUE`, `NULL`.
+// step (after init, reset, restore, deserialize), `LENGTH`, `VALUE`, `OVERFLOW`, `NULL`.
 int32_t stickslip_directional_derivative(struct stickslip_simulator *simulator,
                                          const double *seed,
                                          size_t inputs,

@@ -3,7 +3,8 @@
 //! [`ErrorCode`] is the single list from which the C constants and the FMU log categories are made. Codes are
 //! negative, are never reused, and keep their meaning between versions.
 
-use std::fmt;
+use crate::message::{Escaping, cut, number};
+use std::fmt::{self, Write};
 
 /// Why a call failed. The state of the caller is as it was before the call.
 #[derive(Debug, Clone, PartialEq)]
@@ -71,6 +72,8 @@ pub enum Error {
         excess: f64,
         tolerance: f64,
     },
+    /// A result is too large for a number: the quantity that is not finite.
+    Overflow { what: String, time: f64 },
     /// A pointer is NULL that must not be.
     Null { what: &'static str },
     /// The library panicked in this call or in an earlier one with the same simulator, which can only be freed now.
@@ -113,11 +116,15 @@ pub enum ErrorCode {
     Poisoned = -15,
     /// No step is small enough for `time.tolerance`.
     ToleranceOutOfReach = -16,
+    /// A result is too large for a number.
+    Overflow = -18,
 }
 
 impl ErrorCode {
     /// All codes.
-    pub const ALL: [ErrorCode; 16] = [
+    ///
+    /// cbindgen:ignore
+    pub const ALL: [ErrorCode; 17] = [
         ErrorCode::Scene,
         ErrorCode::Body,
         ErrorCode::ReductionInaccurate,
@@ -134,6 +141,7 @@ impl ErrorCode {
         ErrorCode::Null,
         ErrorCode::Poisoned,
         ErrorCode::ToleranceOutOfReach,
+        ErrorCode::Overflow,
     ];
 
     /// Name of the C constant, without its prefix.
@@ -155,6 +163,7 @@ impl ErrorCode {
             ErrorCode::Null => c"NULL",
             ErrorCode::Poisoned => c"POISONED",
             ErrorCode::ToleranceOutOfReach => c"TOLERANCE_OUT_OF_REACH",
+            ErrorCode::Overflow => c"OVERFLOW",
         }
     }
 }
@@ -179,12 +188,20 @@ impl Error {
             Error::Null { .. } => ErrorCode::Null,
             Error::Poisoned { .. } => ErrorCode::Poisoned,
             Error::ToleranceOutOfReach { .. } => ErrorCode::ToleranceOutOfReach,
+            Error::Overflow { .. } => ErrorCode::Overflow,
         }
     }
 }
 
 impl fmt::Display for Error {
+    /// One line; texts of users are cut and escaped, see [`crate::message`].
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.write(&mut Escaping(f))
+    }
+}
+
+impl Error {
+    fn write(&self, f: &mut impl Write) -> fmt::Result {
         match self {
             Error::Scene {
                 source_name,
@@ -213,8 +230,9 @@ impl fmt::Display for Error {
                 node,
             } => write!(
                 f,
-                "friction did not converge at time {time}: residual {residual:.3e} at contact node {node} after \
-                 {iterations} iterations, tolerance {tolerance:.1e}"
+                "friction did not converge at time {}: residual {residual:.3e} at contact node {node} after \
+                 {iterations} iterations, tolerance {tolerance:.1e}",
+                number(*time)
             ),
             Error::NotPositiveDefinite { what, pivot } => {
                 write!(f, "{what} is not positive definite (pivot {pivot})")
@@ -224,6 +242,7 @@ impl fmt::Display for Error {
                 expected,
                 found,
             } => {
+                let (expected, found) = (number(*expected), number(*found));
                 write!(f, "{what}: expected {expected}, found {found}")
             }
             Error::Length {
@@ -235,8 +254,13 @@ impl fmt::Display for Error {
                 what,
                 found,
                 allowed,
-            } => write!(f, "{what}: found {found}, allowed: {allowed}"),
-            Error::Unknown { what, found } => write!(f, "unknown {what}: {found}"),
+            } => write!(f, "{what}: found {}, allowed: {allowed}", number(*found)),
+            Error::Overflow { what, time } => write!(
+                f,
+                "numbers overflow at time {}: {what} is not finite; loads, step or coefficients are out of proportion",
+                number(*time)
+            ),
+            Error::Unknown { what, found } => write!(f, "unknown {what}: {}", cut(found)),
             Error::CallOrder { call, expected } => {
                 write!(f, "{call} is not allowed now: {expected}")
             }
@@ -247,7 +271,8 @@ impl fmt::Display for Error {
             ),
             Error::Unstable { step, limit } => write!(
                 f,
-                "time.step = {step} is beyond the stability limit {limit:.6} of the explicit scheme \"rectangle\""
+                "time.step = {} is beyond the stability limit {limit:.6} of the explicit scheme \"rectangle\"",
+                number(*step)
             ),
             Error::ToleranceOutOfReach {
                 time,
@@ -256,8 +281,9 @@ impl fmt::Display for Error {
                 tolerance,
             } => write!(
                 f,
-                "time.tolerance = {tolerance:e} is out of reach at time {time}: an internal step of {step:.3e} s still has \
-                 {excess:.1} times the allowed error; loosen it"
+                "time.tolerance = {tolerance:e} is out of reach at time {}: an internal step of {step:.3e} s still has \
+                 {excess:.1} times the allowed error; loosen it",
+                number(*time)
             ),
             Error::Null { what } => write!(f, "{what}: expected a pointer, found NULL"),
             Error::Poisoned { what } => write!(f, "the simulator is unusable, free it: {what}"),

@@ -31,16 +31,17 @@ impl Simulator {
     /// the derivative 0. Costs one step and allocates.
     ///
     /// # Errors
-    /// [`Error::CallOrder`] when the state is not the end of a step, [`Error::Length`], [`Error::Value`].
+    /// [`Error::CallOrder`] when the state is not the end of a step, [`Error::Length`], [`Error::Value`], [`Error::Overflow`].
     pub fn directional_derivative(&mut self, seed: &[f64], out: &mut [f64]) -> Result<()> {
         check("seed of the inputs", seed, self.model().input_count())?;
         check_len("outputs", out.len(), self.output_len())?;
         let mut tangents = Tangents::new(self.model(), [seed.to_vec()]);
         self.repeat_last_step(&mut tangents)?;
+        let mut column = vec![0.0; out.len()];
         for tangent in &tangents.list {
-            self.tangent_outputs(&tangent.state, out);
+            self.tangent_outputs(&tangent.state, &mut column);
         }
-        Ok(())
+        self.hand_out(&column, out)
     }
 
     /// The transposed derivative: `out = (d outputs / d inputs)^T seed`, `seed` one value per output, `out` one per input.
@@ -56,10 +57,23 @@ impl Simulator {
         let mut tangents = Tangents::new(self.model(), (0..inputs).map(unit));
         self.repeat_last_step(&mut tangents)?;
         let mut column = vec![0.0; seed.len()];
-        for (out, tangent) in out.iter_mut().zip(&tangents.list) {
+        let mut row = vec![0.0; inputs];
+        for (entry, tangent) in row.iter_mut().zip(&tangents.list) {
             self.tangent_outputs(&tangent.state, &mut column);
-            *out = dot(seed, &column);
+            *entry = dot(seed, &column);
         }
+        self.hand_out(&row, out)
+    }
+
+    /// Writes a derivative, if all of it is finite.
+    fn hand_out(&self, derivative: &[f64], out: &mut [f64]) -> Result<()> {
+        if derivative.iter().any(|v| !v.is_finite()) {
+            return Err(Error::Overflow {
+                what: "the derivative of the step".into(),
+                time: self.time(),
+            });
+        }
+        out.copy_from_slice(derivative);
         Ok(())
     }
 

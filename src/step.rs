@@ -46,7 +46,7 @@ pub(crate) fn advance(
     companion.start(model, state, ws)?;
     ws.loads_at_start.copy_from_slice(&state.loads);
     let start = state.time;
-    let mut parts = Parts::of(h, model);
+    let mut parts = Parts::of(start, h, model);
     while let Some(part) = parts.next(step_control::proposed(model, state)) {
         step_control::keep(state, ws);
         companion.keep();

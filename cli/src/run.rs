@@ -13,6 +13,7 @@ use crate::vtk::Series;
 use std::sync::Arc;
 use std::time::Instant;
 use stickslip::course::Points;
+use stickslip::message::escaped;
 use stickslip::{Compilation, Error, Simulator};
 
 pub fn run(options: &RunOptions) -> Result<(), Failure> {
@@ -21,7 +22,8 @@ pub fn run(options: &RunOptions) -> Result<(), Failure> {
         replaced.extend(value.map(|v| (path.to_owned(), format!("{v:?}"))));
     }
     let scene = source::scene(&options.choice, &replaced)?;
-    let name = options.choice.scene.as_str();
+    let name = options.choice.name();
+    let points = Points::checked(&scene).map_err(Failure::of(name))?;
     let start = Instant::now();
     let compilation = Compilation::new(&scene).map_err(Failure::of(name))?;
     let setup = start.elapsed();
@@ -40,7 +42,7 @@ pub fn run(options: &RunOptions) -> Result<(), Failure> {
     let mut frames = Vec::new();
     let mut closing = Closing::new(setup);
     let mut simulator = Simulator::new(Arc::clone(&compilation.model));
-    let bar = console::bar(Points::of(scene).count, &scene.name);
+    let bar = console::bar(points.count, &escaped(&scene.name));
     let effort = course::follow(scene, name, &mut simulator, |simulator, frame| {
         if let Some(table) = &mut table {
             table.add(contact, frame)?;
@@ -66,7 +68,8 @@ pub fn run(options: &RunOptions) -> Result<(), Failure> {
         run_pictures::draw(folder, scene, contact, &frames)?;
         body_picture::draw(folder, scene, &compilation, &simulator)?;
     }
-    console::say(&closing.table(&compilation.model, &effort))
+    let table = closing.table(&compilation.model, &effort);
+    console::say_beside(options.csv.as_deref(), &table)
 }
 
 /// An explicit scheme beyond its stability limit gives numbers that mean nothing.

@@ -33,7 +33,7 @@ impl State {
         FRAME.seal(self.fingerprint, out);
     }
 
-    /// Reads bytes into this state; on failure it stays as it was.
+    /// Reads bytes into this state. It is then to be checked, [`State::check_plausible`], and spoilt after an error.
     ///
     /// # Errors
     /// [`crate::Error::Bytes`] for bytes that are not a state of this format, truncated or damaged;
@@ -52,9 +52,6 @@ impl State {
         let mut counters = [0; COUNTERS];
         for counter in &mut counters {
             *counter = reader.word()?;
-        }
-        if !f64::from_bits(counters[0]).is_finite() {
-            return Err(Reader::refusal("saved state: its time is not finite"));
         }
         self.set_counters(counters);
         for value in self.blocks_mut().into_iter().flatten() {
