@@ -28,7 +28,8 @@
  * Manners     No printing, no threads, no signals, no environment, no files. No allocation in set_inputs, set, set_many,
  *             do_step (at step sizes met before), get_outputs, get, save_state, restore_state. A panic inside the library
  *             is caught: the call returns STICKSLIP_POISONED, and so does every later one with that simulator, which can
- *             only be freed.
+ *             only be freed. Floating-point traps, rounding mode and flushing to zero of the host are put aside for a
+ *             call and are back, sticky flags included, when it returns.
  * Results are reproducible: the same calls on the same model give the same bits, in any thread.
  */
 
@@ -113,6 +114,8 @@ enum stickslip_code
   STICKSLIP_TOLERANCE_OUT_OF_REACH = -16,
   // The caller stopped the compilation.
   STICKSLIP_CANCELLED = -17,
+  // A result is too large for a number.
+  STICKSLIP_OVERFLOW = -18,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -208,7 +211,7 @@ uint32_t stickslip_abi_version(void);
 // ordered as `stickslip_get_outputs`; units are those of the output per unit of the input. Where a node is just about to
 // change between stick and slip, the derivative is that of the branch the step ended on; counts and indicators have the
 // derivative 0. Costs about one step, allocates, changes no state. Errors: `CALL_ORDER` when the state is not the end of a
-// step (after init, reset, restore, deserialize), `LENGTH`, `VALUE`, `NULL`.
+// step (after init, reset, restore, deserialize), `LENGTH`, `VALUE`, `OVERFLOW`, `NULL`.
 int32_t stickslip_directional_derivative(struct stickslip_simulator *simulator,
                                          const double *seed,
                                          size_t inputs,
@@ -329,7 +332,7 @@ void stickslip_free(struct stickslip_simulator *simulator);
 
 // Starts the simulation at `time` (s) with the body undeformed. Inputs set before are the loads at that instant; without
 // them the start values of the scene are. Errors: `CALL_ORDER` when already initialized, `VALUE` for a time that is not
-// finite or friction coefficients that do not fit each other, `NOT_CONVERGED`.
+// finite or friction coefficients that do not fit each other, `NOT_CONVERGED`, `OVERFLOW`.
 int32_t stickslip_init(struct stickslip_simulator *simulator,
                        double time);
 
@@ -364,6 +367,9 @@ int32_t stickslip_set_many(struct stickslip_simulator *simulator,
 // taken but the multiplicity test found other solutions, `AT_ROUNDING` (> 0) when it was taken but rounding kept the friction
 // law from holding to its tolerance. Errors, with the state bit for bit as before: `CALL_ORDER` before
 // `stickslip_init`, `STEP`, `VALUE` for friction coefficients that do not fit each other, `NOT_CONVERGED`.
+// taken but the multiplicity test found other solutions. Errors, with the state bit for bit as before: `CALL_ORDER` before
+// `stickslip_init`, `STEP`, `VALUE` for friction coefficients that do not fit each other, `NOT_CONVERGED`,
+// `TOLERANCE_OUT_OF_REACH`, `OVERFLOW` for results that are too large for a number.
 int32_t stickslip_do_step(struct stickslip_simulator *simulator,
                           double time,
                           double step);
@@ -411,8 +417,8 @@ int32_t stickslip_serialize(const struct stickslip_simulator *simulator,
                             size_t *length);
 
 // Continues from the bytes of `stickslip_serialize`, in this process or another, on this machine or another that holds the
-// same compiled model. Errors, with the state as before: `BYTES` (of another kind or version, truncated, damaged),
-// `FINGERPRINT`, `NULL`.
+// same compiled model. Errors, with the state as before: `BYTES` (of another kind or version, truncated, damaged, or a state
+// that no simulation leaves behind: numbers that are not finite, counters out of range), `FINGERPRINT`, `NULL`.
 int32_t stickslip_deserialize(struct stickslip_simulator *simulator,
                               const uint8_t *bytes,
                               size_t length);
@@ -491,7 +497,7 @@ void stickslip_free(struct stickslip_simulator *simulator);
 
 // Starts the simulation at `time` (s) with the body undeformed. Inputs set before are the loads at that instant; without
 // them the start values of the scene are. Errors: `CALL_ORDER` when already initialized, `VALUE` for a time that is not
-// finite or friction coefficients that do not fit each other, `NOT_CONVERGED`.
+// finite or friction coefficients that do not fit each other, `NOT_CONVERGED`, `OVERFLOW`.
 int32_t stickslip_init(struct stickslip_simulator *simulator,
                        double time);
 
@@ -526,6 +532,9 @@ int32_t stickslip_set_many(struct stickslip_simulator *simulator,
 // taken but the multiplicity test found other solutions, `AT_ROUNDING` (> 0) when it was taken but rounding kept the friction
 // law from holding to its tolerance. Errors, with the state bit for bit as before: `CALL_ORDER` before
 // `stickslip_init`, `STEP`, `VALUE` for friction coefficients that do not fit each other, `NOT_CONVERGED`.
+// taken but the multiplicity test found other solutions. Errors, with the state bit for bit as before: `CALL_ORDER` before
+// `stickslip_init`, `STEP`, `VALUE` for friction coefficients that do not fit each other, `NOT_CONVERGED`,
+// `TOLERANCE_OUT_OF_REACH`, `OVERFLOW` for results that are too large for a number.
 int32_t stickslip_do_step(struct stickslip_simulator *simulator,
                           double time,
                           double step);
@@ -590,8 +599,8 @@ int32_t stickslip_serialize(const struct stickslip_simulator *simulator,
                             size_t *length);
 
 // Continues from the bytes of `stickslip_serialize`, in this process or another, on this machine or another that holds the
-// same compiled model. Errors, with the state as before: `BYTES` (of another kind or version, truncated, damaged),
-// `FINGERPRINT`, `NULL`.
+// same compiled model. Errors, with the state as before: `BYTES` (of another kind or version, truncated, damaged, or a state
+// that no simulation leaves behind: numbers that are not finite, counters out of range), `FINGERPRINT`, `NULL`.
 int32_t stickslip_deserialize(struct stickslip_simulator *simulator,
                               const uint8_t *bytes,
                               size_t length);
@@ -602,7 +611,7 @@ int32_t stickslip_deserialize(struct stickslip_simulator *simulator,
 // ordered as `stickslip_get_outputs`; units are those of the output per unit of the input. Where a node is just about to
 // change between stick and slip, the derivative is that of the branch the step ended on; counts and indicators have the
 // derivative 0. Costs about one step, allocates, changes no state. Errors: `CALL_ORDER` when the state is not the end of a
-// step (after init, reset, restore, deserialize), `LENGTH`, `VALUE`, `NULL`.
+// step (after init, reset, restore, deserialize), `LENGTH`, `VALUE`, `OVERFLOW`, `NULL`.
 int32_t stickslip_directional_derivative(struct stickslip_simulator *simulator,
                                          const double *seed,
                                          size_t inputs,

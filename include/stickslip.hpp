@@ -1,7 +1,8 @@
 // A thin C++17 wrapper of stickslip.h: handles that free themselves, errors as exceptions. Header only, no second library.
 //
 // What a call does, its units and its errors are documented in stickslip.h; the threads rules there hold here. Arrays
-// are passed as stickslip::Span, which std::vector, std::array and braces of doubles convert to (as std::span would).
+// are passed as stickslip::Span, which std::vector, std::array, C arrays, std::span and braces of numbers convert to; unlike
+// std::span it also takes containers that are temporary, where it only reads: they live until the end of the call.
 #ifndef STICKSLIP_HPP
 #define STICKSLIP_HPP
 
@@ -43,11 +44,20 @@ inline std::int32_t check(std::int32_t code) {
 
 // Values that belong to someone else.
 template <class T> class Span {
+    // A pointer to values of another class that converts, as that of a base, would be read with the wrong stride.
+    template <class P>
+    static constexpr bool is_of_values =
+        std::is_pointer_v<P> && std::is_convertible_v<std::remove_pointer_t<P> (*)[], T (*)[]>;
+
 public:
     constexpr Span(T *data, std::size_t size) noexcept : data_(data), size_(size) {}
-    // Containers with data() and size().
-    template <class C, class = std::enable_if_t<std::is_convertible_v<decltype(std::declval<C &>().data()), T *>>>
+    // C arrays.
+    template <std::size_t N> constexpr Span(T (&array)[N]) noexcept : data_(array), size_(N) {}
+    // Containers with data() and size(), of these very values.
+    template <class C, class = std::enable_if_t<is_of_values<decltype(std::declval<C &>().data())>>>
     constexpr Span(C &container) noexcept : data_(container.data()), size_(container.size()) {}
+    template <class C, class = std::enable_if_t<std::is_const_v<T> && is_of_values<decltype(std::declval<const C &>().data())>>>
+    constexpr Span(const C &container) noexcept : data_(container.data()), size_(container.size()) {}
     // Braces; they live until the end of the call.
     template <class U = T, class = std::enable_if_t<std::is_const_v<U>>>
     constexpr Span(std::initializer_list<std::remove_const_t<T>> list) noexcept

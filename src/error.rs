@@ -3,7 +3,8 @@
 //! [`ErrorCode`] is the single list from which the C constants and the FMU log categories are made. Codes are
 //! negative, are never reused, and keep their meaning between versions.
 
-use std::fmt;
+use crate::message::{Escaping, cut, number};
+use std::fmt::{self, Write};
 
 /// Why a call failed. The state of the caller is as it was before the call.
 #[derive(Debug, Clone, PartialEq)]
@@ -75,6 +76,8 @@ pub enum Error {
         excess: f64,
         tolerance: f64,
     },
+    /// A result is too large for a number: the quantity that is not finite.
+    Overflow { what: String, time: f64 },
     /// A pointer is NULL that must not be.
     Null { what: &'static str },
     /// The library panicked in this call or in an earlier one with the same simulator, which can only be freed now.
@@ -119,11 +122,15 @@ pub enum ErrorCode {
     ToleranceOutOfReach = -16,
     /// The caller stopped the compilation.
     Cancelled = -17,
+    /// A result is too large for a number.
+    Overflow = -18,
 }
 
 impl ErrorCode {
     /// All codes.
-    pub const ALL: [ErrorCode; 17] = [
+    ///
+    /// cbindgen:ignore
+    pub const ALL: [ErrorCode; 18] = [
         ErrorCode::Scene,
         ErrorCode::Body,
         ErrorCode::ReductionInaccurate,
@@ -141,6 +148,7 @@ impl ErrorCode {
         ErrorCode::Poisoned,
         ErrorCode::ToleranceOutOfReach,
         ErrorCode::Cancelled,
+        ErrorCode::Overflow,
     ];
 
     /// Name of the C constant, without its prefix.
@@ -163,6 +171,7 @@ impl ErrorCode {
             ErrorCode::Poisoned => c"POISONED",
             ErrorCode::ToleranceOutOfReach => c"TOLERANCE_OUT_OF_REACH",
             ErrorCode::Cancelled => c"CANCELLED",
+            ErrorCode::Overflow => c"OVERFLOW",
         }
     }
 }
@@ -189,12 +198,20 @@ impl Error {
             Error::Null { .. } => ErrorCode::Null,
             Error::Poisoned { .. } => ErrorCode::Poisoned,
             Error::ToleranceOutOfReach { .. } => ErrorCode::ToleranceOutOfReach,
+            Error::Overflow { .. } => ErrorCode::Overflow,
         }
     }
 }
 
 impl fmt::Display for Error {
+    /// One line; texts of users are cut and escaped, see [`crate::message`].
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.write(&mut Escaping(f))
+    }
+}
+
+impl Error {
+    fn write(&self, f: &mut impl Write) -> fmt::Result {
         match self {
             Error::Scene {
                 source_name,
@@ -223,8 +240,9 @@ impl fmt::Display for Error {
                 node,
             } => write!(
                 f,
-                "friction did not converge at time {time}: residual {residual:.3e} at contact node {node} after \
-                 {iterations} iterations, tolerance {tolerance:.1e}"
+                "friction did not converge at time {}: residual {residual:.3e} at contact node {node} after \
+                 {iterations} iterations, tolerance {tolerance:.1e}",
+                number(*time)
             ),
             Error::NotPositiveDefinite { what, pivot } => {
                 write!(f, "{what} is not positive definite (pivot {pivot})")
@@ -234,6 +252,7 @@ impl fmt::Display for Error {
                 expected,
                 found,
             } => {
+                let (expected, found) = (number(*expected), number(*found));
                 write!(f, "{what}: expected {expected}, found {found}")
             }
             Error::Length {
@@ -245,8 +264,13 @@ impl fmt::Display for Error {
                 what,
                 found,
                 allowed,
-            } => write!(f, "{what}: found {found}, allowed: {allowed}"),
-            Error::Unknown { what, found } => write!(f, "unknown {what}: {found}"),
+            } => write!(f, "{what}: found {}, allowed: {allowed}", number(*found)),
+            Error::Overflow { what, time } => write!(
+                f,
+                "numbers overflow at time {}: {what} is not finite; loads, step or coefficients are out of proportion",
+                number(*time)
+            ),
+            Error::Unknown { what, found } => write!(f, "unknown {what}: {}", cut(found)),
             Error::CallOrder { call, expected } => {
                 write!(f, "{call} is not allowed now: {expected}")
             }
@@ -257,8 +281,9 @@ impl fmt::Display for Error {
             ),
             Error::Unstable { step, limit } => write!(
                 f,
-                "time.step = {step} is beyond the stability limit {limit:.6} s of the explicit scheme \"rectangle\": take a \
-                 smaller step or another scheme; time.force = true takes it all the same"
+                "time.step = {} is beyond the stability limit {limit:.6} s of the explicit scheme \"rectangle\": take a \
+                 smaller step or another scheme; time.force = true takes it all the same",
+                number(*step)
             ),
             Error::LostDigits { lost, tolerance } => write!(
                 f,
@@ -276,8 +301,9 @@ impl fmt::Display for Error {
                 tolerance,
             } => write!(
                 f,
-                "time.tolerance = {tolerance:e} is out of reach at time {time}: an internal step of {step:.3e} s still has \
-                 {excess:.1} times the allowed error; loosen it"
+                "time.tolerance = {tolerance:e} is out of reach at time {}: an internal step of {step:.3e} s still has \
+                 {excess:.1} times the allowed error; loosen it",
+                number(*time)
             ),
             Error::Null { what } => write!(f, "{what}: expected a pointer, found NULL"),
             Error::Poisoned { what } => write!(f, "the simulator is unusable, free it: {what}"),

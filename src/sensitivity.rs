@@ -31,16 +31,17 @@ impl Simulator {
     /// the derivative 0. Costs one step and allocates.
     ///
     /// # Errors
-    /// [`Error::CallOrder`] when the state is not the end of a step, [`Error::Length`], [`Error::Value`].
+    /// [`Error::CallOrder`] when the state is not the end of a step, [`Error::Length`], [`Error::Value`], [`Error::Overflow`].
     pub fn directional_derivative(&mut self, seed: &[f64], out: &mut [f64]) -> Result<()> {
         check("seed of the inputs", seed, self.model().input_count())?;
         check_len("outputs", out.len(), self.output_len())?;
         let mut tangents = Tangents::new(self.model(), [seed.to_vec()]);
         self.repeat_last_step(&mut tangents)?;
+        let mut column = vec![0.0; out.len()];
         for tangent in &tangents.list {
-            self.tangent_outputs(&tangent.state, out);
+            self.tangent_outputs(&tangent.state, &mut column);
         }
-        Ok(())
+        self.hand_out(&column, out)
     }
 
     /// The transposed derivative: `out = (d outputs / d inputs)^T seed`, `seed` one value per output, `out` one per input.
@@ -54,8 +55,7 @@ impl Simulator {
         check_len("inputs", out.len(), inputs)?;
         let mut tangents = Tangents::new(self.model(), unit_seeds(inputs));
         self.repeat_last_step(&mut tangents)?;
-        self.weigh(&tangents, seed, out);
-        Ok(())
+        self.weigh(&tangents, seed, out)
     }
 
     /// Derivative of all outputs at this instant by the loads at this instant, along `seed`: that of the velocity and the contact
@@ -69,10 +69,11 @@ impl Simulator {
         check("seed of the inputs", seed, self.model().input_count())?;
         check_len("outputs", out.len(), self.output_len())?;
         let tangents = self.instant_tangents([seed.to_vec()])?;
+        let mut column = vec![0.0; out.len()];
         for tangent in &tangents.list {
-            self.tangent_outputs(&tangent.state, out);
+            self.tangent_outputs(&tangent.state, &mut column);
         }
-        Ok(())
+        self.hand_out(&column, out)
     }
 
     /// The transposed derivative of [`Simulator::instant_derivative`]: `out = (d outputs / d loads)^T seed`.
@@ -84,8 +85,7 @@ impl Simulator {
         check("seed of the outputs", seed, self.output_len())?;
         check_len("inputs", out.len(), inputs)?;
         let tangents = self.instant_tangents(unit_seeds(inputs))?;
-        self.weigh(&tangents, seed, out);
-        Ok(())
+        self.weigh(&tangents, seed, out)
     }
 
     fn instant_tangents(&mut self, seeds: impl IntoIterator<Item = Vec<f64>>) -> Result<Tangents> {
@@ -103,13 +103,27 @@ impl Simulator {
         Ok(tangents)
     }
 
-    /// Sums of the outputs' tangents, weighed by `seed`: one per tangent.
-    fn weigh(&self, tangents: &Tangents, seed: &[f64], out: &mut [f64]) {
+    /// Sums of the outputs' tangents, weighed by `seed`: one per tangent, if all of them are finite.
+    fn weigh(&self, tangents: &Tangents, seed: &[f64], out: &mut [f64]) -> Result<()> {
         let mut column = vec![0.0; seed.len()];
-        for (out, tangent) in out.iter_mut().zip(&tangents.list) {
+        let mut row = vec![0.0; out.len()];
+        for (entry, tangent) in row.iter_mut().zip(&tangents.list) {
             self.tangent_outputs(&tangent.state, &mut column);
-            *out = dot(seed, &column);
+            *entry = dot(seed, &column);
         }
+        self.hand_out(&row, out)
+    }
+
+    /// Writes a derivative, if all of it is finite.
+    fn hand_out(&self, derivative: &[f64], out: &mut [f64]) -> Result<()> {
+        if derivative.iter().any(|v| !v.is_finite()) {
+            return Err(Error::Overflow {
+                what: "a derivative".into(),
+                time: self.time(),
+            });
+        }
+        out.copy_from_slice(derivative);
+        Ok(())
     }
 
     fn tangent_outputs(&self, tangent: &State, out: &mut [f64]) {

@@ -82,7 +82,7 @@ impl Simulator {
     ///
     /// # Errors
     /// [`Error::CallOrder`] when already initialized, [`Error::Value`] for a time that is not finite or for friction
-    /// coefficients that do not fit each other, [`Error::NotConverged`].
+    /// coefficients that do not fit each other, [`Error::NotConverged`], [`Error::Overflow`].
     pub fn init(&mut self, time: f64) -> Result<()> {
         if self.state.is_initialized != 0 {
             return Err(Error::CallOrder {
@@ -138,6 +138,20 @@ impl Simulator {
             });
         }
         self.state.inputs.copy_from_slice(values);
+        Ok(())
+    }
+
+    /// The loads jump to `values` now, at the end of the last step: the next step begins with them, and the velocity follows
+    /// before it is taken. The outputs stay those before the jump until then. Inputs become `values` too.
+    ///
+    /// # Errors
+    /// Those of [`Simulator::set_inputs`].
+    pub fn jump_inputs(&mut self, values: &[f64]) -> Result<()> {
+        self.set_inputs(values)?;
+        if self.state.loads != values {
+            self.state.loads.copy_from_slice(values);
+            self.state.needs_settling = self.state.is_initialized;
+        }
         Ok(())
     }
 
@@ -217,8 +231,8 @@ impl Simulator {
     /// # Errors
     /// [`Error::CallOrder`] before initialization, [`Error::Step`] for a step that is not positive or a time that does not
     /// continue the simulation, or that takes more than a million internal steps, [`Error::Value`] for friction coefficients
-    /// that do not fit each other, [`Error::NotConverged`], [`Error::ToleranceOutOfReach`]. The state is then bit for bit
-    /// what it was.
+    /// that do not fit each other, [`Error::NotConverged`], [`Error::ToleranceOutOfReach`], [`Error::Overflow`] for results
+    /// that are too large for a number. The state is then bit for bit what it was.
     pub fn do_step(&mut self, time: f64, step: f64) -> Result<()> {
         if self.state.is_initialized == 0 {
             return Err(Error::CallOrder {
@@ -243,11 +257,18 @@ impl Simulator {
         }
         let slack = SAME_INSTANT * step + 4.0 * f64::EPSILON * self.state.time.abs();
         let is_continuous = (time - self.state.time).abs() <= slack;
-        if !is_continuous || time + step <= time {
+        if !is_continuous {
             return Err(Error::Step {
                 what: "time of the step",
                 expected: self.state.time,
                 found: time,
+            });
+        }
+        if time + step <= time {
+            return Err(Error::Step {
+                what: "communication step (at least the resolution of the time at which it begins)",
+                expected: time.next_up() - time,
+                found: step,
             });
         }
         self.check_coefficients()?;
@@ -261,13 +282,14 @@ impl Simulator {
         Ok(())
     }
 
-    /// Runs `change` on a copy of the state, which becomes the state only when it succeeds.
+    /// Runs `change` on a copy of the state, which becomes the state only when it succeeds and leaves finite numbers.
     fn attempt(
         &mut self,
         change: impl FnOnce(&Model, &mut State, &mut Workspace) -> Result<()>,
     ) -> Result<()> {
         self.trial.copy_present_from(&self.state)?;
         change(&self.model, &mut self.trial, &mut self.workspace)?;
+        self.workspace.finite.check(&self.model, &self.trial)?;
         std::mem::swap(&mut self.state, &mut self.trial);
         self.state.take_past(&mut self.trial);
         Ok(())

@@ -73,6 +73,12 @@ pub(crate) fn solve_stage(
             )
         }
     };
+    if !solution.converged && !solution.residual.is_finite() {
+        return Err(Error::Overflow {
+            what: "the residual of the friction law".into(),
+            time: state.time,
+        });
+    }
     if !solution.converged {
         return Err(Error::NotConverged {
             time: state.time,

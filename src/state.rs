@@ -1,6 +1,7 @@
 //! The state: all that future steps depend on, and nothing else. Small, flat, compared and restored bit for bit.
 
 mod bytes;
+mod plausible;
 mod second;
 
 pub(crate) use second::Second;
@@ -8,6 +9,7 @@ pub(crate) use second::Second;
 use crate::error::{Error, Result};
 use crate::friction::law::MAX_COEFFICIENTS;
 use crate::friction::linearisation::no_points;
+use crate::linalg::dot;
 use crate::model::Model;
 use crate::scene::Inputs;
 
@@ -263,6 +265,36 @@ impl State {
             &mut self.control,
             &mut self.history,
         ]
+    }
+
+    /// The blocks but for points of linearisation, in which infinity is a mark, and the recorded past.
+    fn numbers(&self) -> impl Iterator<Item = &Vec<f64>> {
+        let marked = [&self.linearisation, &self.second.linearisation];
+        let is_marked = move |block: &Vec<f64>| marked.iter().any(|m| std::ptr::eq(*m, block));
+        let blocks = self.blocks().into_iter().take(BLOCKS - 1);
+        blocks.filter(move |block| !is_marked(block))
+    }
+
+    /// Sum of the squares of all numbers but the recorded past; not a number, or infinite, where one of them is.
+    pub(crate) fn sum_of_squares(&self) -> f64 {
+        self.numbers().map(|block| dot(block, block)).sum()
+    }
+
+    /// Whether all numbers but the recorded past are finite.
+    pub(crate) fn is_finite(&self) -> bool {
+        self.numbers().flatten().all(|v| v.is_finite())
+    }
+
+    /// The blocks that are zero before initialization.
+    fn moving(&self) -> impl Iterator<Item = &Vec<f64>> {
+        let given = [
+            &self.loads,
+            &self.inputs,
+            &self.input_memory,
+            &self.coefficients,
+        ];
+        let is_given = move |block: &Vec<f64>| given.iter().any(|g| std::ptr::eq(*g, block));
+        self.numbers().filter(move |block| !is_given(block))
     }
 
     fn counters(&self) -> [u64; COUNTERS] {

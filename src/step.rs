@@ -47,7 +47,7 @@ pub(crate) fn advance(
     apply_jumps(model, state, ws, h)?;
     companion.start(model, state, ws)?;
     let start = state.time;
-    let mut parts = Parts::of(h, model);
+    let mut parts = Parts::of(start, h, model);
     while let Some(part) = parts.next(step_control::proposed(model, state)) {
         step_control::keep(state, ws);
         companion.keep();

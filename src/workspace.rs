@@ -1,5 +1,6 @@
 //! Scratch of one simulator: rebuilt at will, never saved, never changes a result.
 
+use crate::finite::FiniteCheck;
 use crate::friction::fixed_point::FixedPointWorkspace;
 use crate::friction::multiplicity::MultiplicityWorkspace;
 use crate::friction::newton;
@@ -184,6 +185,7 @@ pub(crate) struct Workspace {
     pub last_iterate: Vec<f64>,
     /// Scratch of the step control, where there is one.
     pub control: Option<ControlWorkspace>,
+    pub finite: FiniteCheck,
 }
 
 impl Workspace {
@@ -204,6 +206,7 @@ impl Workspace {
             load: loads,
             condensed_load: vec![0.0; len],
             last_iterate: vec![0.0; model.states()],
+            finite: FiniteCheck::new(model),
             control: (model.tolerance().is_some()).then(|| ControlWorkspace::new(model)),
         }
     }

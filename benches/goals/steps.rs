@@ -40,12 +40,7 @@ impl<'a> Run<'a> {
     /// With the bound of friction times `factor`.
     fn new(scene: &'a Scene, model: &Arc<Model>, factor: f64) -> Result<Run<'a>, stickslip::Error> {
         let mut simulator = Simulator::new(Arc::clone(model));
-        // of an exponential law the second coefficient is not to exceed the first
-        let mut coefficients = ["bound", "a", "b"];
-        if factor < 1.0 {
-            coefficients.reverse();
-        }
-        for name in coefficients.iter().filter(|_| factor != 1.0) {
+        for name in ["bound", "a", "b"].iter().filter(|_| factor != 1.0) {
             let name = format!("contact.friction.{name}");
             if let Ok(port) = model.ports().find(&name) {
                 let found = value(&simulator, &name);
@@ -149,6 +144,12 @@ fn mean(steps: &[Timed], is_part: impl Fn(&Timed) -> bool) -> Value {
 }
 
 pub fn measure(scene: &Scene) -> Outcome {
+    // one internal step each, whatever the communication step of the scene is
+    let scene = &{
+        let mut scene = scene.clone();
+        scene.run.step = None;
+        scene
+    };
     let model = stickslip::compile(scene)?;
     let mut run = Run::new(scene, &model, 1.0)?;
     let first = run.first()?;

@@ -1,7 +1,8 @@
 //! The command line.
 
+use crate::standard;
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Frictional contact of a viscoelastic body, stepped through the interface a master uses.
 ///
@@ -35,7 +36,7 @@ pub enum Command {
 
 #[derive(Args)]
 pub struct SceneChoice {
-    /// A scene file, or the name of an embedded example (kazmi2014 is the paper's).
+    /// A scene file, the name of an embedded example (kazmi2014 is the paper's), or `-` for standard input.
     pub scene: String,
     /// Replace a value of the scene, e.g. `contact.friction.alpha=50` or `loads[0].start=1`; may be repeated.
     #[arg(long = "set", value_name = "PATH=VALUE", value_parser = parse_override)]
@@ -43,6 +44,16 @@ pub struct SceneChoice {
     /// Take an explicit scheme beyond its stability limit all the same: `time.force=true` of the scene.
     #[arg(long)]
     pub force: bool,
+}
+
+impl SceneChoice {
+    /// What messages call the scene.
+    pub fn name(&self) -> &str {
+        match standard::is_meant(Path::new(&self.scene)) {
+            true => standard::INPUT,
+            false => &self.scene,
+        }
+    }
 }
 
 #[derive(Args)]
@@ -55,10 +66,12 @@ pub struct RunOptions {
     /// Communication step, s [default: run.step of the scene, else time.step]; cut into internal steps no larger than time.step.
     #[arg(long, value_name = "H", allow_negative_numbers = true)]
     pub step: Option<f64>,
-    /// Write one row per communication point and contact node; nodes are numbered from 0.
+    /// Write one row per communication point and contact node; nodes are numbered from 0. `-` is standard output, and what is
+    /// said of the run goes to standard error.
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
-    /// Write the deformed body at every communication point (legacy VTK, with a .vtk.series index for ParaView).
+    /// Write the deformed body at every communication point (legacy VTK, with a .vtk.series index for ParaView); the files of
+    /// an earlier run of the scene go.
     #[arg(long, value_name = "DIR")]
     pub vtk: Option<PathBuf>,
     /// Draw slip rate and stress along the contact, the stick-slip map and the energies (PNG and SVG).
@@ -70,7 +83,7 @@ pub struct RunOptions {
 pub struct FmuOptions {
     #[command(flatten)]
     pub choice: SceneChoice,
-    /// The FMU to write; missing folders are made.
+    /// The FMU to write; missing folders are made. `-` is standard output.
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
     /// Version of FMI (Co-Simulation).
@@ -95,7 +108,7 @@ pub struct TradeoffOptions {
     /// Multiplications to spend, by estimate, instead of time: the same settings are measured on every machine.
     #[arg(long, value_name = "NUMBER", conflicts_with = "budget", value_parser = parse_budget)]
     pub work: Option<f64>,
-    /// Write one row per setting measured.
+    /// Write one row per setting measured; `-` is standard output.
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
     /// Draw the errors against the cost of a run (PNG and SVG).

@@ -1,9 +1,11 @@
 //! What goes to the terminal: results on stdout, remarks on stderr, progress bars only where someone looks.
 
 use crate::failure::Failure;
+use crate::standard;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::ops::ControlFlow;
+use std::path::Path;
 use stickslip::model::Progress;
 use stickslip::{Compilation, Scene};
 
@@ -14,6 +16,15 @@ pub fn say(text: &str) -> Result<(), Failure> {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Failure::Output(error)),
         _ => Ok(()),
     }
+}
+
+/// Prints what is said beside a file of results: on standard error where the file is standard output.
+pub fn say_beside(results: Option<&Path>, text: &str) -> Result<(), Failure> {
+    if results.is_some_and(standard::is_meant) {
+        let _ = writeln!(std::io::stderr().lock(), "{text}");
+        return Ok(());
+    }
+    say(text)
 }
 
 /// Prints a remark or an error; where stderr is closed there is nobody to tell.

@@ -2,6 +2,7 @@
 
 use std::fmt;
 use std::path::{Path, PathBuf};
+use stickslip::message::{cut, escaped};
 use stickslip_fmu::PackageError;
 
 #[derive(Debug)]
@@ -26,8 +27,6 @@ pub enum Failure {
     Option(&'static str),
     /// Neither a file nor an embedded example.
     NoScene { name: String },
-    /// The results are no numbers.
-    NotFinite { source_name: String, time: f64 },
     /// Standard output is not writable, other than by being closed.
     Output(std::io::Error),
 }
@@ -74,16 +73,14 @@ impl fmt::Display for Failure {
             Failure::NoScene { name } => {
                 let names: Vec<_> = stickslip::scene::example_names().collect();
                 format!(
-                    "{name}: neither a file nor an embedded example ({})",
+                    "{}: neither a file nor an embedded example ({})",
+                    cut(name),
                     names.join(", ")
                 )
-            }
-            Failure::NotFinite { source_name, time } => {
-                format!("{source_name}: the results are not finite at time {time}")
             }
             Failure::Output(error) => format!("standard output: {error}"),
         };
         // one line, whatever a file name or a text in the scene contains
-        f.write_str(&text.replace(['\n', '\r'], " "))
+        f.write_str(&escaped(&text))
     }
 }

@@ -14,6 +14,7 @@ use std::sync::Arc;
 use std::time::Instant;
 use stickslip::Simulator;
 use stickslip::course::Points;
+use stickslip::message::escaped;
 
 pub fn run(options: &RunOptions) -> Result<(), Failure> {
     let mut replaced = Vec::new();
@@ -21,7 +22,8 @@ pub fn run(options: &RunOptions) -> Result<(), Failure> {
         replaced.extend(value.map(|v| (path.to_owned(), format!("{v:?}"))));
     }
     let scene = source::scene(&options.choice, &replaced)?;
-    let name = options.choice.scene.as_str();
+    let name = options.choice.name();
+    let points = Points::checked(&scene).map_err(Failure::of(name))?;
     let start = Instant::now();
     let compilation = console::compile(&scene).map_err(Failure::of(name))?;
     let setup = start.elapsed();
@@ -45,7 +47,7 @@ pub fn run(options: &RunOptions) -> Result<(), Failure> {
     let mut frames = Vec::new();
     let mut closing = Closing::new(setup);
     let mut simulator = Simulator::new(Arc::clone(&compilation.model));
-    let bar = console::bar(Points::of(scene).count, &scene.name);
+    let bar = console::bar(points.count, &escaped(&scene.name));
     let effort = course::follow(scene, name, &mut simulator, |simulator, frame| {
         if let Some(table) = &mut table {
             table.add(contact, frame)?;
@@ -71,5 +73,6 @@ pub fn run(options: &RunOptions) -> Result<(), Failure> {
         run_pictures::draw(folder, scene, contact, &frames)?;
         body_picture::draw(folder, scene, &compilation, &simulator)?;
     }
-    console::say(&closing.table(&compilation.model, &effort))
+    let table = closing.table(&compilation.model, &effort);
+    console::say_beside(options.csv.as_deref(), &table)
 }

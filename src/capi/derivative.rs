@@ -12,7 +12,7 @@ use crate::simulator::Simulator;
 /// ordered as `stickslip_get_outputs`; units are those of the output per unit of the input. Where a node is just about to
 /// change between stick and slip, the derivative is that of the branch the step ended on; counts and indicators have the
 /// derivative 0. Costs about one step, allocates, changes no state. Errors: `CALL_ORDER` when the state is not the end of a
-/// step (after init, reset, restore, deserialize), `LENGTH`, `VALUE`, `NULL`.
+/// step (after init, reset, restore, deserialize), `LENGTH`, `VALUE`, `OVERFLOW`, `NULL`.
 ///
 /// # Safety
 /// `simulator` is NULL or live, `seed` NULL or `inputs` values, `derivative` NULL or `outputs` writable values; the two do not

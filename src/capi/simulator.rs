@@ -6,6 +6,7 @@ use super::guard::{
 use super::model::stickslip_model;
 use super::{STICKSLIP_AT_ROUNDING, STICKSLIP_NOT_UNIQUE, STICKSLIP_OK};
 use crate::error::{Error, Result};
+use crate::message::number;
 use crate::model::ensure_available;
 use crate::simulator::Simulator;
 use std::cell::UnsafeCell;
@@ -155,7 +156,7 @@ pub unsafe extern "C" fn stickslip_free(simulator: *mut stickslip_simulator) {
 
 /// Starts the simulation at `time` (s) with the body undeformed. Inputs set before are the loads at that instant; without
 /// them the start values of the scene are. Errors: `CALL_ORDER` when already initialized, `VALUE` for a time that is not
-/// finite or friction coefficients that do not fit each other, `NOT_CONVERGED`.
+/// finite or friction coefficients that do not fit each other, `NOT_CONVERGED`, `OVERFLOW`.
 ///
 /// # Safety
 /// `simulator` is NULL or live.
@@ -252,7 +253,8 @@ pub unsafe extern "C" fn stickslip_set_many(
 /// into internal steps. Allocates nothing once the step size is known. Returns `NOT_UNIQUE` (> 0) when the step was
 /// taken but the multiplicity test found other solutions, `AT_ROUNDING` (> 0) when it was taken but rounding kept the friction
 /// law from holding to its tolerance. Errors, with the state bit for bit as before: `CALL_ORDER` before
-/// `stickslip_init`, `STEP`, `VALUE` for friction coefficients that do not fit each other, `NOT_CONVERGED`.
+/// `stickslip_init`, `STEP`, `VALUE` for friction coefficients that do not fit each other, `NOT_CONVERGED`,
+/// `TOLERANCE_OUT_OF_REACH`, `OVERFLOW` for results that are too large for a number.
 ///
 /// # Safety
 /// `simulator` is NULL or live.
@@ -267,7 +269,8 @@ pub unsafe extern "C" fn stickslip_do_step(
         let (solutions, gap) = simulator.solutions();
         if solutions > 1.0 {
             remember(format_args!(
-                "the step at time {time} has {solutions} solutions, up to {gap} m/s apart"
+                "the step at time {} has {solutions} solutions, up to {gap:.3e} m/s apart",
+                number(time)
             ));
             return Ok(STICKSLIP_NOT_UNIQUE);
         }

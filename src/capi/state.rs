@@ -141,8 +141,8 @@ pub unsafe extern "C" fn stickslip_serialize(
 }
 
 /// Continues from the bytes of `stickslip_serialize`, in this process or another, on this machine or another that holds the
-/// same compiled model. Errors, with the state as before: `BYTES` (of another kind or version, truncated, damaged),
-/// `FINGERPRINT`, `NULL`.
+/// same compiled model. Errors, with the state as before: `BYTES` (of another kind or version, truncated, damaged, or a state
+/// that no simulation leaves behind: numbers that are not finite, counters out of range), `FINGERPRINT`, `NULL`.
 ///
 /// # Safety
 /// `simulator` is NULL or live, `bytes` NULL or `length` bytes.

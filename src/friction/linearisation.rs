@@ -31,6 +31,21 @@ pub fn no_points(nodes: usize, components: usize) -> Vec<f64> {
     point.repeat(POINTS)
 }
 
+/// Whether points that were read from bytes are such: finite heads, and blocks that are finite or mark a node as not free.
+pub fn is_plausible(points: &[f64], components: usize) -> bool {
+    let count = |value: f64| (0.0..9e15).contains(&value);
+    points.is_empty()
+        || points.chunks_exact(points.len() / POINTS).all(|point| {
+            let (head, blocks) = point.split_at(HEAD);
+            head[0].is_finite()
+                && head[0] >= 0.0
+                && count(head[1])
+                && blocks.chunks_exact(block_len(components)).all(|block| {
+                    block.iter().all(|v| v.is_finite()) || block.iter().all(|v| *v == CLAMPED)
+                })
+        })
+}
+
 /// A point of linearisation.
 pub struct Linearisation<'a> {
     theta_k: f64,

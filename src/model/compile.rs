@@ -91,7 +91,7 @@ impl Compilation {
             return Err(Error::Scene {
                 source_name: scene.name.clone(),
                 path: "fidelity.target_error".to_owned(),
-                found: target.to_string(),
+                found: crate::message::number(target).to_string(),
                 allowed: "nothing on a mesh that is given".to_owned(),
             });
         }

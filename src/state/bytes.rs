@@ -1,6 +1,6 @@
 //! Bytes of a saved state: a frame (see `crate::bytes`) of the counters and then the values.
 
-use super::{COUNTERS, MEANINGS, State, history_row};
+use super::{COUNTERS, State, history_row};
 use crate::bytes::{Frame, HEADER, OVERHEAD, Reader};
 use crate::error::Result;
 use crate::model::Model;
@@ -44,7 +44,7 @@ impl State {
         FRAME.seal(self.fingerprint, out);
     }
 
-    /// Reads bytes into this state; on failure it stays as it was.
+    /// Reads bytes into this state. It is then to be checked, [`State::check_plausible`], and spoilt after an error.
     ///
     /// # Errors
     /// [`crate::Error::Bytes`] for bytes that are not a state of this format, truncated or damaged;
@@ -63,14 +63,6 @@ impl State {
         let mut counters = [0; COUNTERS];
         for counter in &mut counters {
             *counter = reader.word()?;
-        }
-        if !f64::from_bits(counters[0]).is_finite() {
-            return Err(Reader::refusal("saved state: its time is not finite"));
-        }
-        if counters[5] >= MEANINGS.len() as u64 {
-            return Err(Reader::refusal(
-                "saved state: unknown meaning of its inputs",
-            ));
         }
         self.set_counters(counters);
         for value in self.blocks_mut().into_iter().flatten() {

@@ -6,7 +6,7 @@ use std::cell::Cell;
 use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use stickslip::course::{Points, set_loads, set_loads_of_step};
+use stickslip::course::{Points, set_loads, step_to};
 use stickslip::tradeoff::{Candidate, Reference, Setting, Study};
 use stickslip::{Compilation, Result, Simulator};
 
@@ -142,10 +142,10 @@ fn step_through(candidate: &Candidate) -> Result<Duration> {
     simulator.init(points.at(0))?;
     let mut stepping = Duration::ZERO;
     for n in 1..=points.count {
-        let (from, to) = (simulator.time(), points.at(n));
-        set_loads_of_step(scene, &mut simulator, from, to)?;
         let start = Instant::now();
-        simulator.do_step(from, to - from)?;
+        for to in points.stops(n) {
+            step_to(scene, &points, &mut simulator, to)?;
+        }
         stepping += start.elapsed();
     }
     Ok(stepping)
