@@ -158,11 +158,15 @@ impl Writer {
 /// of five of them, stay finite in a step.
 pub const LARGEST: f64 = 1e60;
 
+/// Whether a model may hold this number; false for one that is none.
+pub fn is_usable(value: f64) -> bool {
+    value.abs() <= LARGEST
+}
+
 /// # Errors
 /// [`Error::Bytes`] for a number that is not finite, or so large that a step would overflow.
 fn check_finite(mut values: impl Iterator<Item = f64>) -> Result<()> {
-    // written so that a number that is none is refused
-    match values.position(|v| !(v.abs() <= LARGEST)) {
+    match values.position(|v| !is_usable(v)) {
         None => Ok(()),
         Some(at) => Err(Reader::refusal(format!(
             "number {at} of a list is not finite, or beyond {LARGEST:e}"

@@ -97,8 +97,11 @@ fn draw(random: &mut Random) -> Value {
     })
 }
 
+/// Values of every port over a trajectory.
+type Seen = Vec<(String, Vec<f64>)>;
+
 /// Contact and outputs of the body over a short trajectory: one list of values per port, and the model that was kept.
-fn course(value: &Value, model: &str) -> Result<(Vec<(String, Vec<f64>)>, ModelKind), String> {
+fn course(value: &Value, model: &str) -> Result<(Seen, ModelKind), String> {
     let mut value = value.clone();
     value["fidelity"]["model"] = json!(model);
     let scene = Scene::from_json(&value.to_string(), "small").map_err(|e| e.to_string())?;
@@ -118,7 +121,7 @@ fn course(value: &Value, model: &str) -> Result<(Vec<(String, Vec<f64>)>, ModelK
         })
         .collect();
     let mut simulator = Simulator::new(model);
-    let mut seen: Vec<(String, Vec<f64>)> = names.into_iter().map(|n| (n, vec![])).collect();
+    let mut seen: Seen = names.into_iter().map(|n| (n, vec![])).collect();
     let load = |n: usize| {
         let along = n as f64 / STEPS as f64;
         let rising = if along <= 0.5 {

@@ -1,6 +1,6 @@
 //! What the full and the condensed model share: the sparse operators, their symbolic factor, loads and outputs.
 
-use crate::bytes::{LARGEST, Reader, Writer};
+use crate::bytes::{LARGEST, Reader, Writer, is_usable};
 use crate::error::Result;
 use crate::fem::{Body, OperatorPair};
 use crate::linalg::{DenseCholesky, SparseCholesky};
@@ -165,7 +165,7 @@ impl Field {
             let mut vector = SparseVector::new();
             for _ in 0..count {
                 let (dof, value) = (from.size()?, from.float()?);
-                if dof >= n || !(value.abs() <= LARGEST) {
+                if dof >= n || !is_usable(value) {
                     return Err(Reader::refusal(format!("{value} at dof {dof} of {n}")));
                 }
                 vector.push((dof, value));

@@ -173,8 +173,7 @@ fn ensure(scene: &Scene, path: &str, found: String, needed: f64) -> Result<()> {
             allowed,
         })
     };
-    // written so that a number that is none is refused
-    if !(needed <= limit) {
+    if needed.is_nan() || needed > limit {
         return refuse(format!(
             "what takes at most {} (fidelity.memory_limit)",
             gigabytes(limit)
