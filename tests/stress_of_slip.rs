@@ -77,7 +77,8 @@ fn with(scene: &Scene, path: &str, value: &str) -> Scene {
 /// Every law, both dimensions, every scheme and both solvers: start, steps and recorded past.
 #[test]
 fn slipping_nodes_carry_their_bound() {
-    let laws: [(&str, Box<dyn Fn(f64) -> f64>); 3] = [
+    type Bound = Box<dyn Fn(f64) -> f64>;
+    let laws: [(&str, Bound); 3] = [
         (r#"{"law": "tresca", "bound": 0.002}"#, Box::new(|_| 0.002)),
         (
             r#"{"law": "exponential", "a": 0.003, "b": 0.001, "alpha": 100.0}"#,

@@ -272,7 +272,8 @@ fn at_rounding<L: FrictionLaw>(
     tolerance: f64,
     ws: &mut Workspace,
 ) -> Option<f64> {
-    if !(problem.largest_imbalance(&ws.accepted) <= LARGEST_FLOOR) {
+    let imbalance = problem.largest_imbalance(&ws.accepted);
+    if imbalance.is_nan() || imbalance > LARGEST_FLOOR {
         return None;
     }
     if !ws.accepted.is_exact {
