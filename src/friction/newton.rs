@@ -207,6 +207,7 @@ impl<L: FrictionLaw> WithSimd for Solve<'_, '_, '_, L> {
                 break;
             }
             if (iterations == 0 || slow > 0 || ws.is_careful)
+                && problem.residual(simd, &ws.accepted, Yardstick::default()) <= LARGEST_FLOOR
                 && let Some(left) = at_rounding(problem, tolerance, ws)
             {
                 (residual, is_at_rounding) = (left, true);
@@ -272,10 +273,6 @@ fn at_rounding<L: FrictionLaw>(
     tolerance: f64,
     ws: &mut Workspace,
 ) -> Option<f64> {
-    let imbalance = problem.largest_imbalance(&ws.accepted);
-    if imbalance.is_nan() || imbalance > LARGEST_FLOOR {
-        return None;
-    }
     if !ws.accepted.is_exact {
         problem.complete(&mut ws.accepted);
         ws.is_careful = true;

@@ -27,7 +27,7 @@ pub struct ContactProblem<'a, L> {
     pub theta_k: f64,
 }
 
-/// What the violated forces of a point are measured against.
+/// What the violated forces of a point are measured against; by default the forces that meet.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Yardstick {
     /// Smallest bound that a node is measured against, N; zero where there is no friction at all.
@@ -197,11 +197,6 @@ impl<L: FrictionLaw> ContactProblem<'_, L> {
             *body = point.y[i] + self.r[i];
         }
         norm(&self.r[self.at(node)]) + norm(&body[..self.components]) + point.law.bound[node]
-    }
-
-    /// Largest violated force over the forces that meet at a node; NaN where one is not a number.
-    pub fn largest_imbalance(&self, point: &Point) -> f64 {
-        self.worst_node(point, Yardstick::default()).0
     }
 
     /// What is left of the residual of an exact point when rounding is taken into account; `None` where some node violates
