@@ -2,6 +2,7 @@
 
 use crate::case::Case;
 use crate::run::{Point, Run, run};
+use std::fmt;
 
 /// Largest differences over the points that both runs have, relative to the largest values of the second.
 #[derive(Debug, Clone, Copy)]
@@ -13,6 +14,16 @@ pub struct Distance {
 impl Distance {
     pub fn largest(self) -> f64 {
         self.rates.max(self.stress)
+    }
+}
+
+impl fmt::Display for Distance {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "slip rates {:.1e}, stress {:.1e}",
+            self.rates, self.stress
+        )
     }
 }
 

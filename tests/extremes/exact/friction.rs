@@ -3,7 +3,7 @@
 
 use super::number::{Matrix, Real, dot, solve, zeros};
 use crate::case::Law;
-use crate::oracles::length;
+use crate::within::length;
 
 pub struct Problem {
     pub s: Matrix,

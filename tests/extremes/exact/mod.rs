@@ -1,6 +1,7 @@
 //! The discrete problem of a small scene solved with 96 digits, step by step, and how far a run may be from it.
 
 mod body;
+mod compare;
 mod friction;
 mod number;
 
