@@ -88,7 +88,7 @@ fn rounding_of_energies(case: &Case) -> f64 {
     let stress = case.loads.iter().map(traction).fold(0.0, f64::max);
     let volume: f64 = case.size.iter().product();
     let time = case.step * f64::from(case.cuts) * case.count() as f64;
-    1e-10 * stress * stress * volume * (time / case.mu2).min(1.0 / case.young)
+    1e-9 * stress * stress * volume * (time / case.mu2).min(1.0 / case.young)
 }
 
 /// Euclidean norm of a nodal vector.
