@@ -25,9 +25,11 @@
  * Threads     A model may be used from any number of threads at once. A simulator, and a saved state while it is
  *             saved into, is used by one thread at a time, any thread; a second call with a simulator at the same time
  *             is refused with STICKSLIP_CALL_ORDER. The last error belongs to the thread of the failed call.
- * Manners     No printing, no threads, no signals, no environment, no files. No allocation in set_inputs, do_step (at step
- *             sizes met before), get_outputs, get, save_state, restore_state. A panic inside the library is caught: the
- *             call returns STICKSLIP_POISONED, and so does every later one with that simulator, which can only be freed.
+ * Manners     No printing, no threads, no signals, no environment, no files. No allocation in set_inputs, set, set_many,
+ *             do_step (at step sizes met before), get_outputs, get, save_state, restore_state. A panic inside the library
+ *             is caught: the call returns STICKSLIP_POISONED, and so does every later one with that simulator, which can
+ *             only be freed. Floating-point traps, rounding mode and flushing to zero of the host are put aside for a
+ *             call and are back, sticky flags included, when it returns.
  * Results are reproducible: the same calls on the same model give the same bits, in any thread.
  */
 
@@ -46,7 +48,11 @@
 // The step was taken, but the multiplicity test (scene: `fidelity.multiplicity_test`) found more than one solution.
 #define STICKSLIP_NOT_UNIQUE 1
 
-// Causality of a port: set before a step, its value at the end of the step.
+// The step was taken, but rounding kept the friction law from holding to `fidelity.friction_tolerance`: the output
+// `solver.residual` tells to what share of the forces that meet at a contact node it holds, never worse than 1e-8.
+#define STICKSLIP_AT_ROUNDING 2
+
+// Causality of a port: set before a step, by default its value at the end of the step (`stickslip_set_inputs_meaning`).
 #define STICKSLIP_INPUT 0
 
 // Causality of a port: read after a step.
@@ -54,6 +60,19 @@
 
 // Causality of a port: a coefficient of the friction law, may be set between steps.
 #define STICKSLIP_PARAMETER 2
+
+// Inputs set before a step are the loads at its end; within it loads go linearly from where they are (or jump at its beginning,
+// with `interpolation` `hold`). The default. Exact where loads are linear over the step.
+#define STICKSLIP_INPUTS_END_OF_STEP 0
+
+// Inputs set before a step are the loads at its beginning, held over it: first order in the communication step, exact for loads
+// that jump at communication points. Every change costs one more solution of the friction problem.
+#define STICKSLIP_INPUTS_HOLD 1
+
+// Inputs set before a step are the loads at its beginning, continued with the slope of the last steps (at most twice the
+// slope before it, none where the two differ in sign): second order where loads are smooth, and a jump is held. Costs what
+// `STICKSLIP_INPUTS_HOLD` costs.
+#define STICKSLIP_INPUTS_CONTINUE 2
 
 // Why a call failed. A code is never reused and keeps its meaning between versions.
 enum stickslip_code
@@ -65,7 +84,7 @@ enum stickslip_code
   STICKSLIP_SCENE = -1,
   // The scene gives no usable body.
   STICKSLIP_BODY = -2,
-  // The reduction does not reach `fidelity.tolerance`.
+  // The model does not reach `fidelity.tolerance`: the reduction does not, or 64-bit numbers lose more of the body.
   STICKSLIP_REDUCTION_INACCURATE = -3,
   // The friction solver did not reach its tolerance.
   STICKSLIP_NOT_CONVERGED = -4,
@@ -93,6 +112,10 @@ enum stickslip_code
   STICKSLIP_POISONED = -15,
   // No step is small enough for `time.tolerance`.
   STICKSLIP_TOLERANCE_OUT_OF_REACH = -16,
+  // The caller stopped the compilation.
+  STICKSLIP_CANCELLED = -17,
+  // A result is too large for a number.
+  STICKSLIP_OVERFLOW = -18,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -110,6 +133,11 @@ typedef struct stickslip_simulator stickslip_simulator;
 
 // Room for one saved state of a model.
 typedef struct stickslip_state stickslip_state;
+
+// Is told where a compilation stands: the phase (0: settings are measured for `fidelity.target_error`, 1: assembly, 2: the model
+// of the body is made, 3: certificate), the fraction of the work that is done (0 to 1, never falling; it stays 0 in phase 0),
+// and the `user_data` of the call. Any value but 0 stops the compilation. Must not throw, nor unwind by longjmp.
+typedef int32_t (*stickslip_progress)(int32_t phase, double fraction, void *user_data);
 
 // Sizes of a model.
 typedef struct stickslip_model_info {
@@ -165,7 +193,7 @@ typedef struct stickslip_port {
 } stickslip_port;
 
 // All codes.
-#define stickslip_code_ALL { stickslip_code_Scene, stickslip_code_Body, stickslip_code_ReductionInaccurate, stickslip_code_NotConverged, stickslip_code_NotPositiveDefinite, stickslip_code_Step, stickslip_code_Length, stickslip_code_Value, stickslip_code_Unknown, stickslip_code_CallOrder, stickslip_code_Bytes, stickslip_code_Fingerprint, stickslip_code_Unstable, stickslip_code_Null, stickslip_code_Poisoned, stickslip_code_ToleranceOutOfReach, }
+#define stickslip_code_ALL { stickslip_code_Scene, stickslip_code_Body, stickslip_code_ReductionInaccurate, stickslip_code_NotConverged, stickslip_code_NotPositiveDefinite, stickslip_code_Step, stickslip_code_Length, stickslip_code_Value, stickslip_code_Unknown, stickslip_code_CallOrder, stickslip_code_Bytes, stickslip_code_Fingerprint, stickslip_code_Unstable, stickslip_code_Null, stickslip_code_Poisoned, stickslip_code_ToleranceOutOfReach, stickslip_code_Cancelled, }
 
 #ifdef __cplusplus
 extern "C" {
@@ -177,12 +205,13 @@ const char *stickslip_version(void);
 // `STICKSLIP_ABI_VERSION` of the library: compare it with that of the header. Any thread.
 uint32_t stickslip_abi_version(void);
 
-// Writes the derivative of all outputs at the end of the last step by the inputs at its end, along `seed`:
+// Writes the derivative of all outputs at the end of the last step by its inputs, whatever
+// they mean (`stickslip_set_inputs_meaning`), along `seed`:
 // `derivative = (d outputs / d inputs) seed`, from the consistent tangent. `seed` has one value per input, `derivative` is
 // ordered as `stickslip_get_outputs`; units are those of the output per unit of the input. Where a node is just about to
 // change between stick and slip, the derivative is that of the branch the step ended on; counts and indicators have the
 // derivative 0. Costs about one step, allocates, changes no state. Errors: `CALL_ORDER` when the state is not the end of a
-// step (after init, reset, restore, deserialize), `LENGTH`, `VALUE`, `NULL`.
+// step (after init, reset, restore, deserialize), `LENGTH`, `VALUE`, `OVERFLOW`, `NULL`.
 int32_t stickslip_directional_derivative(struct stickslip_simulator *simulator,
                                          const double *seed,
                                          size_t inputs,
@@ -221,11 +250,37 @@ size_t stickslip_last_error(char *buffer, size_t capacity);
 // none. A static string. Any thread.
 const char *stickslip_code_name(int32_t code);
 
+// Says what inputs mean, by one of the numbers `STICKSLIP_INPUTS_...`; before `stickslip_init`, and again after
+// `stickslip_reset`. Without it: what `time.inputs` of the scene says, else the end of the step. Errors: `CALL_ORDER` after
+// initialization, `VALUE` for another number.
+int32_t stickslip_set_inputs_meaning(struct stickslip_simulator *simulator,
+                                     int32_t meaning);
+
+// Gives an input, by its reference, its slope in time (its unit per second): in the steps that follow the load is the input at
+// their beginning plus slope times time, whatever inputs mean otherwise, until another slope is given or this one is cleared.
+// Allocates nothing. Errors: `UNKNOWN`, `CALL_ORDER` for a port that is no input, `VALUE` for a number that is not finite; the step
+// then returns `VALUE` where the slope leads out of the numbers.
+int32_t stickslip_set_input_slope(struct stickslip_simulator *simulator,
+                                  uint32_t reference,
+                                  double slope);
+
+// Takes the slope of an input away again. Errors: `UNKNOWN`, `CALL_ORDER` for a port that is no input.
+int32_t stickslip_clear_input_slope(struct stickslip_simulator *simulator, uint32_t reference);
+
 // Compiles `scene`, the NUL-terminated UTF-8 text of a scene.json, into `*model`. Takes from milliseconds to seconds; the
-// caller frees the model. Errors: `SCENE`, `BODY`, `REDUCTION_INACCURATE`, `NOT_POSITIVE_DEFINITE`, `UNSTABLE`, `NULL`. Any
-// thread.
+// caller frees the model. Errors: `SCENE` (also for a scene that needs more memory than its `fidelity.memory_limit`, or than
+// there is), `BODY`, `REDUCTION_INACCURATE`, `NOT_POSITIVE_DEFINITE`, `UNSTABLE` (unless the scene says `time.force`), `NULL`.
+// Any thread.
 int32_t stickslip_model_compile(const char *scene,
                                 struct stickslip_model **model);
+
+// `stickslip_model_compile` that calls `progress` some tens of times on the caller's thread, between factorizations, and stops
+// when it asks for that: `*model` is then left alone. `progress` NULL: as `stickslip_model_compile`. Errors: those of
+// `stickslip_model_compile`, `CANCELLED`. Any thread.
+int32_t stickslip_model_compile_with(const char *scene,
+                                     stickslip_progress progress,
+                                     void *user_data,
+                                     struct stickslip_model **model);
 
 // Loads a compiled model from the `length` bytes of `stickslip_model_save`, without mesh or assembly, into `*model`; the
 // caller frees it. The bytes are not kept. Errors: `BYTES` (of another kind or version, truncated, damaged), `FINGERPRINT`,
@@ -264,12 +319,12 @@ int32_t stickslip_model_find_port(const struct stickslip_model *model, const cha
 int32_t stickslip_model_get_contact(const struct stickslip_model *model, double *points, double *weights, size_t nodes);
 
 // Creates a simulator of `model` in `*simulator`, before its initialization; the caller frees it. It keeps what it needs
-// of the model alive. Errors: `NULL`. Any thread.
+// of the model alive. Errors: `NULL`, `BODY` when there is not enough memory. Any thread.
 int32_t stickslip_new(const struct stickslip_model *model,
                       struct stickslip_simulator **simulator);
 
 // Creates in `*copy` an independent simulator of the same model in the same state; the caller frees it. Errors: `NULL`,
-// `POISONED`.
+// `POISONED`, `BODY` when there is not enough memory.
 int32_t stickslip_clone(const struct stickslip_simulator *simulator, struct stickslip_simulator **copy);
 
 // Frees a simulator, also a poisoned one; NULL is allowed. Not while another call uses it.
@@ -277,28 +332,44 @@ void stickslip_free(struct stickslip_simulator *simulator);
 
 // Starts the simulation at `time` (s) with the body undeformed. Inputs set before are the loads at that instant; without
 // them the start values of the scene are. Errors: `CALL_ORDER` when already initialized, `VALUE` for a time that is not
-// finite, `NOT_CONVERGED`.
+// finite or friction coefficients that do not fit each other, `NOT_CONVERGED`, `OVERFLOW`.
 int32_t stickslip_init(struct stickslip_simulator *simulator,
                        double time);
 
 // Back to before `stickslip_init`, with inputs and coefficients of the scene; allocates.
 int32_t stickslip_reset(struct stickslip_simulator *simulator);
 
-// Sets all inputs, `count` values in the order of the loads of the scene: the intensities at the end of the next step
-// (before `stickslip_init`: at the start), Pa for a traction, N/m^3 for a body force. They stay until set again. Allocates
+// Sets all inputs, `count` values in the order of the loads of the scene: the intensities at the end of the next step, or
+// at its beginning where `stickslip_set_inputs_meaning` says so (before `stickslip_init`: at the start), Pa for a traction, N/m^3 for a body force. They stay until set again. Allocates
 // nothing. Errors: `LENGTH`, `VALUE` for a number that is not finite, `NULL`.
 int32_t stickslip_set_inputs(struct stickslip_simulator *simulator,
                              const double *values,
                              size_t count);
 
-// Sets one input or parameter by its reference, in the unit of its port. Errors: `UNKNOWN`, `CALL_ORDER` for an output,
+// Sets one input or parameter by its reference, in the unit of its port. Coefficients of the friction law may be set in any
+// order: each is checked against its own range here, and the set of them (a >= b) by `stickslip_init` and
+// `stickslip_do_step`. Outputs are those of the last step until the next one. Errors: `UNKNOWN`, `CALL_ORDER` for an output,
 // `VALUE`.
-int32_t stickslip_set(struct stickslip_simulator *simulator, uint32_t reference, double value);
+int32_t stickslip_set(struct stickslip_simulator *simulator,
+                      uint32_t reference,
+                      double value);
+
+// Sets `count` inputs and parameters together: `values[i]` to the port `references[i]`, in its unit; of a port named twice
+// the last value holds. The friction coefficients that result are checked as a set when the call ends. All is set or, on an
+// error, nothing. Allocates nothing. Errors: `UNKNOWN`, `CALL_ORDER` for an output, `VALUE`, `NULL`.
+int32_t stickslip_set_many(struct stickslip_simulator *simulator,
+                           const uint32_t *references,
+                           const double *values,
+                           size_t count);
 
 // Steps from `time` to `time + step` (s). `time` is where the simulation stands, up to rounding; a step of any size is cut
 // into internal steps. Allocates nothing once the step size is known. Returns `NOT_UNIQUE` (> 0) when the step was
+// taken but the multiplicity test found other solutions, `AT_ROUNDING` (> 0) when it was taken but rounding kept the friction
+// law from holding to its tolerance. Errors, with the state bit for bit as before: `CALL_ORDER` before
+// `stickslip_init`, `STEP`, `VALUE` for friction coefficients that do not fit each other, `NOT_CONVERGED`.
 // taken but the multiplicity test found other solutions. Errors, with the state bit for bit as before: `CALL_ORDER` before
-// `stickslip_init`, `STEP`, `NOT_CONVERGED`.
+// `stickslip_init`, `STEP`, `VALUE` for friction coefficients that do not fit each other, `NOT_CONVERGED`,
+// `TOLERANCE_OUT_OF_REACH`, `OVERFLOW` for results that are too large for a number.
 int32_t stickslip_do_step(struct stickslip_simulator *simulator,
                           double time,
                           double step);
@@ -320,7 +391,7 @@ int32_t stickslip_get(const struct stickslip_simulator *simulator,
 int32_t stickslip_get_time(const struct stickslip_simulator *simulator, double *time);
 
 // Creates in `*state` room for a saved state of this simulator and of all others of its model; the caller frees it. It
-// outlives simulator and model. Errors: `NULL`, `POISONED`.
+// outlives simulator and model. Errors: `NULL`, `POISONED`, `BODY` when there is not enough memory.
 int32_t stickslip_state_new(const struct stickslip_simulator *simulator, struct stickslip_state **state);
 
 // Frees a saved state; NULL is allowed.
@@ -346,8 +417,8 @@ int32_t stickslip_serialize(const struct stickslip_simulator *simulator,
                             size_t *length);
 
 // Continues from the bytes of `stickslip_serialize`, in this process or another, on this machine or another that holds the
-// same compiled model. Errors, with the state as before: `BYTES` (of another kind or version, truncated, damaged),
-// `FINGERPRINT`, `NULL`.
+// same compiled model. Errors, with the state as before: `BYTES` (of another kind or version, truncated, damaged, or a state
+// that no simulation leaves behind: numbers that are not finite, counters out of range), `FINGERPRINT`, `NULL`.
 int32_t stickslip_deserialize(struct stickslip_simulator *simulator,
                               const uint8_t *bytes,
                               size_t length);
@@ -362,10 +433,19 @@ size_t stickslip_last_error(char *buffer, size_t capacity);
 const char *stickslip_code_name(int32_t code);
 
 // Compiles `scene`, the NUL-terminated UTF-8 text of a scene.json, into `*model`. Takes from milliseconds to seconds; the
-// caller frees the model. Errors: `SCENE`, `BODY`, `REDUCTION_INACCURATE`, `NOT_POSITIVE_DEFINITE`, `UNSTABLE`, `NULL`. Any
-// thread.
+// caller frees the model. Errors: `SCENE` (also for a scene that needs more memory than its `fidelity.memory_limit`, or than
+// there is), `BODY`, `REDUCTION_INACCURATE`, `NOT_POSITIVE_DEFINITE`, `UNSTABLE` (unless the scene says `time.force`), `NULL`.
+// Any thread.
 int32_t stickslip_model_compile(const char *scene,
                                 struct stickslip_model **model);
+
+// `stickslip_model_compile` that calls `progress` some tens of times on the caller's thread, between factorizations, and stops
+// when it asks for that: `*model` is then left alone. `progress` NULL: as `stickslip_model_compile`. Errors: those of
+// `stickslip_model_compile`, `CANCELLED`. Any thread.
+int32_t stickslip_model_compile_with(const char *scene,
+                                     stickslip_progress progress,
+                                     void *user_data,
+                                     struct stickslip_model **model);
 
 // Loads a compiled model from the `length` bytes of `stickslip_model_save`, without mesh or assembly, into `*model`; the
 // caller frees it. The bytes are not kept. Errors: `BYTES` (of another kind or version, truncated, damaged), `FINGERPRINT`,
@@ -404,12 +484,12 @@ int32_t stickslip_model_find_port(const struct stickslip_model *model, const cha
 int32_t stickslip_model_get_contact(const struct stickslip_model *model, double *points, double *weights, size_t nodes);
 
 // Creates a simulator of `model` in `*simulator`, before its initialization; the caller frees it. It keeps what it needs
-// of the model alive. Errors: `NULL`. Any thread.
+// of the model alive. Errors: `NULL`, `BODY` when there is not enough memory. Any thread.
 int32_t stickslip_new(const struct stickslip_model *model,
                       struct stickslip_simulator **simulator);
 
 // Creates in `*copy` an independent simulator of the same model in the same state; the caller frees it. Errors: `NULL`,
-// `POISONED`.
+// `POISONED`, `BODY` when there is not enough memory.
 int32_t stickslip_clone(const struct stickslip_simulator *simulator, struct stickslip_simulator **copy);
 
 // Frees a simulator, also a poisoned one; NULL is allowed. Not while another call uses it.
@@ -417,28 +497,44 @@ void stickslip_free(struct stickslip_simulator *simulator);
 
 // Starts the simulation at `time` (s) with the body undeformed. Inputs set before are the loads at that instant; without
 // them the start values of the scene are. Errors: `CALL_ORDER` when already initialized, `VALUE` for a time that is not
-// finite, `NOT_CONVERGED`.
+// finite or friction coefficients that do not fit each other, `NOT_CONVERGED`, `OVERFLOW`.
 int32_t stickslip_init(struct stickslip_simulator *simulator,
                        double time);
 
 // Back to before `stickslip_init`, with inputs and coefficients of the scene; allocates.
 int32_t stickslip_reset(struct stickslip_simulator *simulator);
 
-// Sets all inputs, `count` values in the order of the loads of the scene: the intensities at the end of the next step
-// (before `stickslip_init`: at the start), Pa for a traction, N/m^3 for a body force. They stay until set again. Allocates
+// Sets all inputs, `count` values in the order of the loads of the scene: the intensities at the end of the next step, or
+// at its beginning where `stickslip_set_inputs_meaning` says so (before `stickslip_init`: at the start), Pa for a traction, N/m^3 for a body force. They stay until set again. Allocates
 // nothing. Errors: `LENGTH`, `VALUE` for a number that is not finite, `NULL`.
 int32_t stickslip_set_inputs(struct stickslip_simulator *simulator,
                              const double *values,
                              size_t count);
 
-// Sets one input or parameter by its reference, in the unit of its port. Errors: `UNKNOWN`, `CALL_ORDER` for an output,
+// Sets one input or parameter by its reference, in the unit of its port. Coefficients of the friction law may be set in any
+// order: each is checked against its own range here, and the set of them (a >= b) by `stickslip_init` and
+// `stickslip_do_step`. Outputs are those of the last step until the next one. Errors: `UNKNOWN`, `CALL_ORDER` for an output,
 // `VALUE`.
-int32_t stickslip_set(struct stickslip_simulator *simulator, uint32_t reference, double value);
+int32_t stickslip_set(struct stickslip_simulator *simulator,
+                      uint32_t reference,
+                      double value);
+
+// Sets `count` inputs and parameters together: `values[i]` to the port `references[i]`, in its unit; of a port named twice
+// the last value holds. The friction coefficients that result are checked as a set when the call ends. All is set or, on an
+// error, nothing. Allocates nothing. Errors: `UNKNOWN`, `CALL_ORDER` for an output, `VALUE`, `NULL`.
+int32_t stickslip_set_many(struct stickslip_simulator *simulator,
+                           const uint32_t *references,
+                           const double *values,
+                           size_t count);
 
 // Steps from `time` to `time + step` (s). `time` is where the simulation stands, up to rounding; a step of any size is cut
 // into internal steps. Allocates nothing once the step size is known. Returns `NOT_UNIQUE` (> 0) when the step was
+// taken but the multiplicity test found other solutions, `AT_ROUNDING` (> 0) when it was taken but rounding kept the friction
+// law from holding to its tolerance. Errors, with the state bit for bit as before: `CALL_ORDER` before
+// `stickslip_init`, `STEP`, `VALUE` for friction coefficients that do not fit each other, `NOT_CONVERGED`.
 // taken but the multiplicity test found other solutions. Errors, with the state bit for bit as before: `CALL_ORDER` before
-// `stickslip_init`, `STEP`, `NOT_CONVERGED`.
+// `stickslip_init`, `STEP`, `VALUE` for friction coefficients that do not fit each other, `NOT_CONVERGED`,
+// `TOLERANCE_OUT_OF_REACH`, `OVERFLOW` for results that are too large for a number.
 int32_t stickslip_do_step(struct stickslip_simulator *simulator,
                           double time,
                           double step);
@@ -459,8 +555,25 @@ int32_t stickslip_get(const struct stickslip_simulator *simulator,
 // Writes where the simulation stands into `*time`, s. Errors: `NULL`.
 int32_t stickslip_get_time(const struct stickslip_simulator *simulator, double *time);
 
+// Says what inputs mean, by one of the numbers `STICKSLIP_INPUTS_...`; before `stickslip_init`, and again after
+// `stickslip_reset`. Without it: what `time.inputs` of the scene says, else the end of the step. Errors: `CALL_ORDER` after
+// initialization, `VALUE` for another number.
+int32_t stickslip_set_inputs_meaning(struct stickslip_simulator *simulator,
+                                     int32_t meaning);
+
+// Gives an input, by its reference, its slope in time (its unit per second): in the steps that follow the load is the input at
+// their beginning plus slope times time, whatever inputs mean otherwise, until another slope is given or this one is cleared.
+// Allocates nothing. Errors: `UNKNOWN`, `CALL_ORDER` for a port that is no input, `VALUE` for a number that is not finite; the step
+// then returns `VALUE` where the slope leads out of the numbers.
+int32_t stickslip_set_input_slope(struct stickslip_simulator *simulator,
+                                  uint32_t reference,
+                                  double slope);
+
+// Takes the slope of an input away again. Errors: `UNKNOWN`, `CALL_ORDER` for a port that is no input.
+int32_t stickslip_clear_input_slope(struct stickslip_simulator *simulator, uint32_t reference);
+
 // Creates in `*state` room for a saved state of this simulator and of all others of its model; the caller frees it. It
-// outlives simulator and model. Errors: `NULL`, `POISONED`.
+// outlives simulator and model. Errors: `NULL`, `POISONED`, `BODY` when there is not enough memory.
 int32_t stickslip_state_new(const struct stickslip_simulator *simulator, struct stickslip_state **state);
 
 // Frees a saved state; NULL is allowed.
@@ -486,18 +599,19 @@ int32_t stickslip_serialize(const struct stickslip_simulator *simulator,
                             size_t *length);
 
 // Continues from the bytes of `stickslip_serialize`, in this process or another, on this machine or another that holds the
-// same compiled model. Errors, with the state as before: `BYTES` (of another kind or version, truncated, damaged),
-// `FINGERPRINT`, `NULL`.
+// same compiled model. Errors, with the state as before: `BYTES` (of another kind or version, truncated, damaged, or a state
+// that no simulation leaves behind: numbers that are not finite, counters out of range), `FINGERPRINT`, `NULL`.
 int32_t stickslip_deserialize(struct stickslip_simulator *simulator,
                               const uint8_t *bytes,
                               size_t length);
 
-// Writes the derivative of all outputs at the end of the last step by the inputs at its end, along `seed`:
+// Writes the derivative of all outputs at the end of the last step by its inputs, whatever
+// they mean (`stickslip_set_inputs_meaning`), along `seed`:
 // `derivative = (d outputs / d inputs) seed`, from the consistent tangent. `seed` has one value per input, `derivative` is
 // ordered as `stickslip_get_outputs`; units are those of the output per unit of the input. Where a node is just about to
 // change between stick and slip, the derivative is that of the branch the step ended on; counts and indicators have the
 // derivative 0. Costs about one step, allocates, changes no state. Errors: `CALL_ORDER` when the state is not the end of a
-// step (after init, reset, restore, deserialize), `LENGTH`, `VALUE`, `NULL`.
+// step (after init, reset, restore, deserialize), `LENGTH`, `VALUE`, `OVERFLOW`, `NULL`.
 int32_t stickslip_directional_derivative(struct stickslip_simulator *simulator,
                                          const double *seed,
                                          size_t inputs,

@@ -1,7 +1,8 @@
 // A thin C++17 wrapper of stickslip.h: handles that free themselves, errors as exceptions. Header only, no second library.
 //
 // What a call does, its units and its errors are documented in stickslip.h; the threads rules there hold here. Arrays
-// are passed as stickslip::Span, which std::vector, std::array and braces of doubles convert to (as std::span would).
+// are passed as stickslip::Span, which std::vector, std::array, C arrays, std::span and braces of numbers convert to; unlike
+// std::span it also takes containers that are temporary, where it only reads: they live until the end of the call.
 #ifndef STICKSLIP_HPP
 #define STICKSLIP_HPP
 
@@ -43,11 +44,20 @@ inline std::int32_t check(std::int32_t code) {
 
 // Values that belong to someone else.
 template <class T> class Span {
+    // A pointer to values of another class that converts, as that of a base, would be read with the wrong stride.
+    template <class P>
+    static constexpr bool is_of_values =
+        std::is_pointer_v<P> && std::is_convertible_v<std::remove_pointer_t<P> (*)[], T (*)[]>;
+
 public:
     constexpr Span(T *data, std::size_t size) noexcept : data_(data), size_(size) {}
-    // Containers with data() and size().
-    template <class C, class = std::enable_if_t<std::is_convertible_v<decltype(std::declval<C &>().data()), T *>>>
+    // C arrays.
+    template <std::size_t N> constexpr Span(T (&array)[N]) noexcept : data_(array), size_(N) {}
+    // Containers with data() and size(), of these very values.
+    template <class C, class = std::enable_if_t<is_of_values<decltype(std::declval<C &>().data())>>>
     constexpr Span(C &container) noexcept : data_(container.data()), size_(container.size()) {}
+    template <class C, class = std::enable_if_t<std::is_const_v<T> && is_of_values<decltype(std::declval<const C &>().data())>>>
+    constexpr Span(const C &container) noexcept : data_(container.data()), size_(container.size()) {}
     // Braces; they live until the end of the call.
     template <class U = T, class = std::enable_if_t<std::is_const_v<U>>>
     constexpr Span(std::initializer_list<std::remove_const_t<T>> list) noexcept
@@ -131,8 +141,21 @@ public:
     void init(double time) { check(stickslip_init(get(), time)); }
     void reset() { check(stickslip_reset(get())); }
     void set_inputs(Span<const double> values) { check(stickslip_set_inputs(get(), values.data(), values.size())); }
+    // One of STICKSLIP_INPUTS_...; before init.
+    void set_inputs_meaning(std::int32_t meaning) { check(stickslip_set_inputs_meaning(get(), meaning)); }
+    void set_input_slope(std::uint32_t reference, double slope) {
+        check(stickslip_set_input_slope(get(), reference, slope));
+    }
+    void clear_input_slope(std::uint32_t reference) { check(stickslip_clear_input_slope(get(), reference)); }
     void set(std::uint32_t reference, double value) { check(stickslip_set(get(), reference, value)); }
-    // STICKSLIP_OK or STICKSLIP_NOT_UNIQUE.
+    // All or nothing, values[i] to the port references[i]; as many values as references.
+    void set(Span<const std::uint32_t> references, Span<const double> values) {
+        if (references.size() != values.size())
+            throw Error(STICKSLIP_LENGTH, "values to set: expected " + std::to_string(references.size()) +
+                                              " values, found " + std::to_string(values.size()));
+        check(stickslip_set_many(get(), references.data(), values.data(), values.size()));
+    }
+    // STICKSLIP_OK, STICKSLIP_NOT_UNIQUE or STICKSLIP_AT_ROUNDING.
     std::int32_t do_step(double time, double step) { return check(stickslip_do_step(get(), time, step)); }
     void get_outputs(Span<double> values) const { check(stickslip_get_outputs(get(), values.data(), values.size())); }
     void get(std::uint32_t reference, Span<double> values) const {

@@ -154,6 +154,26 @@ impl Writer {
     }
 }
 
+/// Numbers of a model are not larger than this, and those that are divided by not smaller than its reciprocal: energies, products
+/// of five of them, stay finite in a step.
+pub const LARGEST: f64 = 1e60;
+
+/// Whether a model may hold this number; false for one that is none.
+pub fn is_usable(value: f64) -> bool {
+    value.abs() <= LARGEST
+}
+
+/// # Errors
+/// [`Error::Bytes`] for a number that is not finite, or so large that a step would overflow.
+fn check_finite(mut values: impl Iterator<Item = f64>) -> Result<()> {
+    match values.position(|v| !is_usable(v)) {
+        None => Ok(()),
+        Some(at) => Err(Reader::refusal(format!(
+            "number {at} of a list is not finite, or beyond {LARGEST:e}"
+        ))),
+    }
+}
+
 /// Reads what a [`Writer`] wrote. No length is trusted: it must fit what is left.
 pub struct Reader<'a> {
     rest: &'a [u8],
@@ -219,6 +239,13 @@ impl<'a> Reader<'a> {
         Ok(self.words(count)?.map(f64::from_bits).collect())
     }
 
+    /// Numbers, every one finite and not beyond [`LARGEST`].
+    pub fn finite(&mut self) -> Result<Vec<f64>> {
+        let values = self.floats()?;
+        check_finite(values.iter().copied())?;
+        Ok(values)
+    }
+
     /// Indices, every one below `bound`.
     pub fn indices(&mut self, bound: usize) -> Result<Vec<usize>> {
         let count = self.word()?;
@@ -230,21 +257,21 @@ impl<'a> Reader<'a> {
             .collect()
     }
 
-    /// A matrix of the given shape.
+    /// A matrix of the given shape, every entry finite.
     pub fn matrix(&mut self, rows: usize, columns: usize) -> Result<Mat<f64>> {
         let count = self.shape(rows, columns)?;
         let values: Vec<f64> = self.words(count)?.map(f64::from_bits).collect();
+        check_finite(values.iter().copied())?;
         Ok(Mat::from_fn(rows, columns, |i, j| values[j * rows + i]))
     }
 
-    /// A matrix in single precision.
+    /// A matrix in single precision, every entry finite.
     pub fn singles(&mut self, rows: usize, columns: usize) -> Result<Mat<f32>> {
         let count = self.shape(rows, columns)?;
         let words: Vec<u64> = self.words(count.div_ceil(2))?.collect();
-        Ok(Mat::from_fn(rows, columns, |i, j| {
-            let at = j * rows + i;
-            f32::from_bits((words[at / 2] >> (32 * (at % 2))) as u32)
-        }))
+        let entry = |at: usize| f32::from_bits((words[at / 2] >> (32 * (at % 2))) as u32);
+        check_finite((0..rows * columns).map(|at| f64::from(entry(at))))?;
+        Ok(Mat::from_fn(rows, columns, |i, j| entry(j * rows + i)))
     }
 
     /// The shape of a matrix, which must be this one; its number of entries.

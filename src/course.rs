@@ -1,11 +1,21 @@
 //! The course of a scene's own run: its communication points, and its loads there.
+//!
+//! Where a signal jumps there is a communication point too. The step that ends there ends with the load before the jump; then
+//! the load jumps, and the next step begins with the load after it.
 
-use crate::error::Result;
-use crate::scene::Scene;
+use crate::error::{Error, Result};
+use crate::message::number;
+use crate::scene::{Inputs, Load, Scene, Signal};
 use crate::simulator::Simulator;
 
-/// The communication points of a scene: every `run.step` (default `time.step`) up to `run.until`.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// Most steps of a run, internal ones included: hours at the microseconds of a small model. Runs that would take more are
+/// refused before they begin; a run that must be longer is taken in parts.
+pub const MOST_STEPS: f64 = 1e9;
+/// Share of a communication step within which two times are the same.
+const SAME_TIME: f64 = 1e-9;
+
+/// The communication points of a scene: every `run.step` (default `time.step`) up to `run.until`, and where signals jump.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Points {
     /// Communication step, s.
     pub step: f64,
@@ -13,6 +23,8 @@ pub struct Points {
     pub until: f64,
     /// Number of communication steps; the last one may be shorter.
     pub count: u64,
+    /// First and last time of the jumps that are at the same time.
+    jumps: Vec<[f64; 2]>,
 }
 
 impl Points {
@@ -20,32 +32,204 @@ impl Points {
         let step = scene.run.step.unwrap_or(scene.time.step);
         let until = scene.run.until;
         // a step that divides the interval must not leave a rounding error behind as a step of its own
-        let count = (until / step * (1.0 - 1e-9)).ceil().max(1.0) as u64;
-        Points { step, until, count }
+        let steps = until / step;
+        let rounding = (SAME_TIME * steps).min(1e-3);
+        let count = (steps - rounding).ceil().max(1.0) as u64;
+        let mut times: Vec<f64> = scene.run.signals.values().flat_map(Signal::jumps).collect();
+        times.retain(|time| *time > 0.0 && *time < until);
+        times.sort_by(f64::total_cmp);
+        let mut jumps: Vec<[f64; 2]> = Vec::new();
+        for time in times {
+            match jumps.last_mut() {
+                Some(last) if time - last[1] <= SAME_TIME * step => last[1] = time,
+                _ => jumps.push([time, time]),
+            }
+        }
+        Points {
+            step,
+            until,
+            count,
+            jumps,
+        }
+    }
+
+    /// The points of a run that will end.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] at `run.until` for more than [`MOST_STEPS`] steps, communication steps or internal ones.
+    pub fn checked(scene: &Scene) -> Result<Points> {
+        let points = Points::of(scene);
+        let communication = points.until / points.step;
+        let internal = points.until / points.step.min(scene.time.step);
+        let (steps, path, step) = if communication > MOST_STEPS {
+            let path = match scene.run.step {
+                Some(_) => "run.step",
+                None => "time.step",
+            };
+            (communication, path, points.step)
+        } else {
+            (internal, "time.step", scene.time.step)
+        };
+        if steps <= MOST_STEPS {
+            return Ok(points);
+        }
+        Err(Error::Scene {
+            source_name: scene.name.clone(),
+            path: "run.until".to_owned(),
+            found: format!(
+                "{}, which takes {:.1e} steps of {path} = {}",
+                number(points.until),
+                steps.min(f64::MAX),
+                number(step)
+            ),
+            allowed: format!("a run of at most {MOST_STEPS:e} steps"),
+        })
     }
 
     /// Time of point `n`, s; the start is point 0 at time 0.
     pub fn at(&self, n: u64) -> f64 {
         if n >= self.count {
-            self.until
-        } else {
-            n as f64 * self.step
+            return self.until;
         }
+        let time = n as f64 * self.step;
+        match self.jump_at(time) {
+            Some([_, last]) if n > 0 => last,
+            _ => time,
+        }
+    }
+
+    /// The ends of the steps that lead from point `n - 1` to point `n`: the jumps on the way, then the point.
+    pub fn stops(&self, n: u64) -> impl Iterator<Item = f64> {
+        let (from, to) = (self.at(n - 1), self.at(n));
+        let between = self.jumps[self.jumps.partition_point(|j| j[1] <= from)..]
+            .iter()
+            .map(|jump| jump[1])
+            .take_while(move |time| *time < to - SAME_TIME * self.step);
+        between.chain([to])
+    }
+
+    /// First and last time of the jumps at a time.
+    fn jump_at(&self, time: f64) -> Option<[f64; 2]> {
+        let slack = SAME_TIME * self.step;
+        let next = self.jumps.partition_point(|jump| jump[1] < time - slack);
+        let jump = self.jumps.get(next)?;
+        (jump[0] <= time + slack).then_some(*jump)
     }
 }
 
-/// Sets every input to its signal at `time`, or to its start value where the scene gives none.
+/// Sets every input for the step between two communication points: to its load at the end, or at the beginning where that is
+/// what inputs mean.
+///
+/// # Errors
+/// Those of [`set_loads`].
+pub fn set_loads_of_step(
+    scene: &Scene,
+    simulator: &mut Simulator,
+    from: f64,
+    to: f64,
+) -> Result<()> {
+    let time = match simulator.inputs_meaning() {
+        Inputs::EndOfStep => to,
+        Inputs::Hold | Inputs::Continue => from,
+    };
+    set_loads(scene, simulator, time)
+}
+
+/// Sets every input to its signal from `time` on, or to its start value where the scene gives none.
 ///
 /// # Errors
 /// [`crate::Error::Value`] for a signal that is not finite; not for a validated scene.
 pub fn set_loads(scene: &Scene, simulator: &mut Simulator, time: f64) -> Result<()> {
-    let values: Vec<f64> = scene
-        .loads
-        .iter()
-        .map(|load| match scene.run.signals.get(&load.name) {
-            Some(signal) => signal.at(time),
-            None => load.start,
-        })
-        .collect();
-    simulator.set_inputs(&values)
+    simulator.set_inputs(&values(scene, |signal| signal.at(time)))
+}
+
+/// Takes the step that ends at `time`, one of [`Points::stops`], on the signals of the scene, with inputs as the simulator
+/// understands them. Where a signal jumps there, the
+/// loads jump when the step has been taken; the outputs are those before the jump.
+///
+/// # Errors
+/// Those of [`Simulator::do_step`].
+pub fn step_to(scene: &Scene, points: &Points, simulator: &mut Simulator, time: f64) -> Result<()> {
+    let jump = points.jump_at(time).filter(|_| time < points.until);
+    let end = jump.map_or(time, |[first, _]| first);
+    let from = simulator.time();
+    if simulator.inputs_meaning() != Inputs::EndOfStep {
+        // the loads are those at the beginning, behind a jump there
+        set_loads(scene, simulator, from)?;
+        return simulator.do_step(from, time - from);
+    }
+    simulator.set_inputs(&values(scene, |signal| signal.before(end)))?;
+    simulator.do_step(from, time - from)?;
+    match jump {
+        Some([_, last]) => simulator.jump_inputs(&values(scene, |signal| signal.at(last))),
+        None => Ok(()),
+    }
+}
+
+fn values(scene: &Scene, value: impl Fn(&Signal) -> f64) -> Vec<f64> {
+    let of = |load: &Load| match scene.run.signals.get(&load.name) {
+        Some(signal) => value(signal),
+        None => load.start,
+    };
+    scene.loads.iter().map(of).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn points(step: f64, until: f64, table: &[[f64; 2]]) -> Points {
+        let text = crate::scene::example("kazmi2014").unwrap_or_default();
+        let mut scene = Scene::from_json(text, "kazmi2014").unwrap();
+        scene.run.step = Some(step);
+        scene.run.until = until;
+        let signal = Signal::Table(table.to_vec());
+        scene.run.signals.insert("press".to_owned(), signal);
+        scene.validate("test").unwrap();
+        Points::of(&scene)
+    }
+
+    fn all(points: &Points) -> Vec<f64> {
+        (1..=points.count).flat_map(|n| points.stops(n)).collect()
+    }
+
+    #[test]
+    fn steps_end_where_signals_jump() {
+        let table = [[0.0, 0.0], [0.25, 1.0], [0.25, 2.0], [0.3, 3.0], [0.3, 1.0]];
+        let found = points(0.1, 0.5, &table);
+        // 3 * 0.1 is above 0.3: the point is where the signal jumps
+        assert_eq!(all(&found), [0.1, 0.2, 0.25, 0.3, 0.4, 0.5]);
+        assert_eq!(found.at(3), 0.3);
+        // at the start and at the end there is nothing before or after; equal values are no jump
+        let table = [
+            [0.0, 1.0],
+            [0.0, 2.0],
+            [0.15, 2.0],
+            [0.15, 2.0],
+            [0.2, 2.0],
+            [0.2, 0.0],
+        ];
+        assert_eq!(all(&points(0.1, 0.2, &table)), [0.1, 0.2]);
+        assert_eq!(all(&points(0.1, 0.25, &table)), [0.1, 0.2, 0.25]);
+        // several jumps within a step
+        let table = [[0.01, 0.0], [0.01, 1.0], [0.02, 1.0], [0.02, 0.0]];
+        assert_eq!(all(&points(0.1, 0.1, &table)), [0.01, 0.02, 0.1]);
+    }
+
+    #[test]
+    fn a_signal_has_two_values_at_a_jump() {
+        let signal = Signal::Table(vec![[0.0, 1.0], [1.0, 3.0], [1.0, -1.0], [2.0, -2.0]]);
+        for (time, before, after) in [
+            (-1.0, 1.0, 1.0),
+            (0.0, 1.0, 1.0),
+            (0.5, 2.0, 2.0),
+            (1.0, 3.0, -1.0),
+            (1.5, -1.5, -1.5),
+            (2.0, -2.0, -2.0),
+            (3.0, -2.0, -2.0),
+        ] {
+            assert_eq!((signal.before(time), signal.at(time)), (before, after));
+        }
+        assert_eq!(signal.jumps().collect::<Vec<_>>(), [1.0]);
+    }
 }

@@ -3,7 +3,8 @@
 //! [`ErrorCode`] is the single list from which the C constants and the FMU log categories are made. Codes are
 //! negative, are never reused, and keep their meaning between versions.
 
-use std::fmt;
+use crate::message::{Escaping, cut, number};
+use std::fmt::{self, Write};
 
 /// Why a call failed. The state of the caller is as it was before the call.
 #[derive(Debug, Clone, PartialEq)]
@@ -64,6 +65,10 @@ pub enum Error {
     Fingerprint { expected: u64, found: u64 },
     /// An explicit scheme is beyond its stability limit.
     Unstable { step: f64, limit: f64 },
+    /// 64-bit numbers lose more of the response of the body than the tolerance allows: `lost` is its relative error, by estimate.
+    LostDigits { lost: f64, tolerance: f64 },
+    /// The compilation was stopped by its observer.
+    Cancelled { phase: &'static str },
     /// The smallest internal step still has `excess` times the error that `time.tolerance` allows.
     ToleranceOutOfReach {
         time: f64,
@@ -71,6 +76,8 @@ pub enum Error {
         excess: f64,
         tolerance: f64,
     },
+    /// A result is too large for a number: the quantity that is not finite.
+    Overflow { what: String, time: f64 },
     /// A pointer is NULL that must not be.
     Null { what: &'static str },
     /// The library panicked in this call or in an earlier one with the same simulator, which can only be freed now.
@@ -85,7 +92,7 @@ pub enum ErrorCode {
     Scene = -1,
     /// The scene gives no usable body.
     Body = -2,
-    /// The reduction does not reach `fidelity.tolerance`.
+    /// The model does not reach `fidelity.tolerance`: the reduction does not, or 64-bit numbers lose more of the body.
     ReductionInaccurate = -3,
     /// The friction solver did not reach its tolerance.
     NotConverged = -4,
@@ -113,11 +120,17 @@ pub enum ErrorCode {
     Poisoned = -15,
     /// No step is small enough for `time.tolerance`.
     ToleranceOutOfReach = -16,
+    /// The caller stopped the compilation.
+    Cancelled = -17,
+    /// A result is too large for a number.
+    Overflow = -18,
 }
 
 impl ErrorCode {
     /// All codes.
-    pub const ALL: [ErrorCode; 16] = [
+    ///
+    /// cbindgen:ignore
+    pub const ALL: [ErrorCode; 18] = [
         ErrorCode::Scene,
         ErrorCode::Body,
         ErrorCode::ReductionInaccurate,
@@ -134,6 +147,8 @@ impl ErrorCode {
         ErrorCode::Null,
         ErrorCode::Poisoned,
         ErrorCode::ToleranceOutOfReach,
+        ErrorCode::Cancelled,
+        ErrorCode::Overflow,
     ];
 
     /// Name of the C constant, without its prefix.
@@ -155,6 +170,8 @@ impl ErrorCode {
             ErrorCode::Null => c"NULL",
             ErrorCode::Poisoned => c"POISONED",
             ErrorCode::ToleranceOutOfReach => c"TOLERANCE_OUT_OF_REACH",
+            ErrorCode::Cancelled => c"CANCELLED",
+            ErrorCode::Overflow => c"OVERFLOW",
         }
     }
 }
@@ -176,15 +193,25 @@ impl Error {
             Error::Bytes { .. } => ErrorCode::Bytes,
             Error::Fingerprint { .. } => ErrorCode::Fingerprint,
             Error::Unstable { .. } => ErrorCode::Unstable,
+            Error::LostDigits { .. } => ErrorCode::ReductionInaccurate,
+            Error::Cancelled { .. } => ErrorCode::Cancelled,
             Error::Null { .. } => ErrorCode::Null,
             Error::Poisoned { .. } => ErrorCode::Poisoned,
             Error::ToleranceOutOfReach { .. } => ErrorCode::ToleranceOutOfReach,
+            Error::Overflow { .. } => ErrorCode::Overflow,
         }
     }
 }
 
 impl fmt::Display for Error {
+    /// One line; texts of users are cut and escaped, see [`crate::message`].
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.write(&mut Escaping(f))
+    }
+}
+
+impl Error {
+    fn write(&self, f: &mut impl Write) -> fmt::Result {
         match self {
             Error::Scene {
                 source_name,
@@ -213,8 +240,9 @@ impl fmt::Display for Error {
                 node,
             } => write!(
                 f,
-                "friction did not converge at time {time}: residual {residual:.3e} at contact node {node} after \
-                 {iterations} iterations, tolerance {tolerance:.1e}"
+                "friction did not converge at time {}: residual {residual:.3e} at contact node {node} after \
+                 {iterations} iterations, tolerance {tolerance:.1e}",
+                number(*time)
             ),
             Error::NotPositiveDefinite { what, pivot } => {
                 write!(f, "{what} is not positive definite (pivot {pivot})")
@@ -224,6 +252,7 @@ impl fmt::Display for Error {
                 expected,
                 found,
             } => {
+                let (expected, found) = (number(*expected), number(*found));
                 write!(f, "{what}: expected {expected}, found {found}")
             }
             Error::Length {
@@ -235,8 +264,13 @@ impl fmt::Display for Error {
                 what,
                 found,
                 allowed,
-            } => write!(f, "{what}: found {found}, allowed: {allowed}"),
-            Error::Unknown { what, found } => write!(f, "unknown {what}: {found}"),
+            } => write!(f, "{what}: found {}, allowed: {allowed}", number(*found)),
+            Error::Overflow { what, time } => write!(
+                f,
+                "numbers overflow at time {}: {what} is not finite; loads, step or coefficients are out of proportion",
+                number(*time)
+            ),
+            Error::Unknown { what, found } => write!(f, "unknown {what}: {}", cut(found)),
             Error::CallOrder { call, expected } => {
                 write!(f, "{call} is not allowed now: {expected}")
             }
@@ -247,8 +281,19 @@ impl fmt::Display for Error {
             ),
             Error::Unstable { step, limit } => write!(
                 f,
-                "time.step = {step} is beyond the stability limit {limit:.6} of the explicit scheme \"rectangle\""
+                "time.step = {} is beyond the stability limit {limit:.6} s of the explicit scheme \"rectangle\": take a \
+                 smaller step or another scheme; time.force = true takes it all the same",
+                number(*step)
             ),
+            Error::LostDigits { lost, tolerance } => write!(
+                f,
+                "64-bit numbers give the response of this body to a relative error of {lost:.1e} only, not the {tolerance:.1e} of \
+                 fidelity.tolerance: its cells are too flat (mesh.size, mesh.cells) or its material keeps its volume too nearly \
+                 (poisson near 1/2, mu1 far above mu2); change that, or loosen fidelity.tolerance"
+            ),
+            Error::Cancelled { phase } => {
+                write!(f, "the compilation was stopped while it was at: {phase}")
+            }
             Error::ToleranceOutOfReach {
                 time,
                 step,
@@ -256,8 +301,9 @@ impl fmt::Display for Error {
                 tolerance,
             } => write!(
                 f,
-                "time.tolerance = {tolerance:e} is out of reach at time {time}: an internal step of {step:.3e} s still has \
-                 {excess:.1} times the allowed error; loosen it"
+                "time.tolerance = {tolerance:e} is out of reach at time {}: an internal step of {step:.3e} s still has \
+                 {excess:.1} times the allowed error; loosen it",
+                number(*time)
             ),
             Error::Null { what } => write!(f, "{what}: expected a pointer, found NULL"),
             Error::Poisoned { what } => write!(f, "the simulator is unusable, free it: {what}"),

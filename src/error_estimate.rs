@@ -96,5 +96,12 @@ pub(crate) fn estimate(model: &Model, state: &State) -> f64 {
         None => 1.0 / (1.0 - 0.5_f64.powi(model.order() as i32)),
         Some(_) => 1.0 / (2.0_f64.powi(model.tableau().order() as i32) - 1.0),
     };
-    difference * factor / state.control[control::LARGEST_SLIP_RATE]
+    // a contact that only the second solution moves has an error of the size of its motion
+    let largest = state.control[control::LARGEST_SLIP_RATE];
+    let relative = if largest > 0.0 {
+        difference / largest
+    } else {
+        1.0
+    };
+    (relative * factor).min(f64::MAX)
 }

@@ -8,7 +8,7 @@ use crate::friction::Law;
 /// What a port is to a master.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Causality {
-    /// Set before a step: the value at its end.
+    /// Set before a step: the value at its end, unless the simulator is told otherwise.
     Input,
     /// Read after a step.
     Output,

@@ -27,7 +27,7 @@ pub(crate) fn read(model: &Model, state: &State, port: &Port, out: &mut [f64]) {
         }
         Quantity::ContactForce => {
             for (p, out) in out.iter_mut().enumerate() {
-                *out = -state.force.iter().skip(p).step_by(c).sum::<f64>();
+                *out = 0.0 - state.force.iter().skip(p).step_by(c).sum::<f64>();
             }
             return;
         }

@@ -26,17 +26,6 @@ pub(crate) fn explicit_part(
     }
 }
 
-/// Loads at a fraction of the communication step.
-pub(crate) fn interpolate_loads(start: &[f64], end: &[f64], fraction: f64, loads: &mut [f64]) {
-    for (load, (from, to)) in loads.iter_mut().zip(start.iter().zip(end)) {
-        *load = if fraction == 1.0 {
-            *to
-        } else {
-            from + (to - from) * fraction
-        };
-    }
-}
-
 /// `u_{n+1} = u_n + k sum_j b_j w_j` for everything that is integrated.
 pub(crate) fn integrate(tableau: &Tableau, state: &mut State, velocities: &[Velocity], k: f64) {
     integrate_solution(tableau, state, velocities, k);
@@ -65,7 +54,8 @@ pub(crate) fn integrate_solution(
     }
 }
 
-/// Energies of the step from the means (weights b_j) of loads, velocities and contact forces.
+/// Energies of the step from the means (weights b_j) of loads, velocities and contact forces: those of balance, so that
+/// what the friction solver leaves does not show in the energies.
 pub(crate) fn add_energies(model: &Model, state: &mut State, ws: &mut Workspace, k: f64) {
     let tableau = model.tableau();
     let Workspace {
@@ -77,7 +67,7 @@ pub(crate) fn add_energies(model: &Model, state: &mut State, ws: &mut Workspace,
     // the outputs begin with the loads
     state.energy[energy::EXTERNAL_WORK] += k * dot(&mean.load, &mean.outputs);
     state.energy[energy::VISCOUS] += k * viscous;
-    state.energy[energy::FRICTION] += k * dot(&mean.force, &mean.contact);
+    state.energy[energy::FRICTION] += k * dot(&mean.reaction, &mean.contact);
     state.energy[energy::ELASTIC] = 0.5 * elastic;
 }
 

@@ -1,11 +1,11 @@
-//! Derivatives of the outputs at the end of the last step by the inputs at its end: the consistent tangent.
+//! Derivatives of the outputs at the end of the last step by its inputs, whatever they mean: the consistent tangent.
 //!
 //! Every formula of the step is differentiated where the step was solved. All of them are linear in the tangents except
-//! the friction problem, whose tangent `dw` is `friction::tangent`'s and gives `dLambda = dr - S dw`. The last step is
+//! the friction problem, whose tangents `dw` and `dLambda` are `friction::tangent`'s. The last step is
 //! taken once more from the state before it, so that a step without derivatives costs nothing extra; the repeated step
 //! is the same bit for bit. Where a node is just about to change between stick and slip the outputs have a kink: the
-//! derivative is then that of the branch on which the step ended. A linear input enters with its share of the step, a
-//! held one with its jump at the beginning. Internal steps that `time.tolerance` chose are held: the derivative is that of
+//! derivative is then that of the branch on which the step ended. An input enters as its course over the step has it
+//! (`input_course`): with its share of the step, with its jump at the beginning, with the slope that it is continued with. Internal steps that `time.tolerance` chose are held: the derivative is that of
 //! the step with just these sizes, and a refused pair of steps is undone in the tangents too.
 
 use crate::companion::{Companion, StagePlace};
@@ -19,28 +19,29 @@ use crate::model::{BodyModel, Model};
 use crate::ports::Quantity;
 use crate::qvi::MAX_STAGES;
 use crate::readout;
-use crate::record::{explicit_part, integrate, interpolate_loads};
-use crate::scene::{Interpolation, Start};
+use crate::record::{explicit_part, integrate};
+use crate::scene::Start;
 use crate::simulator::Simulator;
 use crate::state::{State, energy};
-use crate::workspace::{Explicit, Velocity, Workspace};
+use crate::workspace::{Explicit, LoadCourse, Velocity, Workspace};
 
 impl Simulator {
-    /// Derivative of all outputs (as [`Simulator::get_outputs`] orders them) at the end of the last step by its inputs,
-    /// along `seed` (one value per input): `out = (d outputs / d inputs) seed`. Counts, indicators and solver figures have
+    /// Derivative of all outputs (as [`Simulator::get_outputs`] orders them) at the end of the last step by its inputs (with the
+    /// meaning they have: at its end or its beginning), along `seed` (one value per input): `out = (d outputs / d inputs) seed`. Counts, indicators and solver figures have
     /// the derivative 0. Costs one step and allocates.
     ///
     /// # Errors
-    /// [`Error::CallOrder`] when the state is not the end of a step, [`Error::Length`], [`Error::Value`].
+    /// [`Error::CallOrder`] when the state is not the end of a step, [`Error::Length`], [`Error::Value`], [`Error::Overflow`].
     pub fn directional_derivative(&mut self, seed: &[f64], out: &mut [f64]) -> Result<()> {
         check("seed of the inputs", seed, self.model().input_count())?;
         check_len("outputs", out.len(), self.output_len())?;
         let mut tangents = Tangents::new(self.model(), [seed.to_vec()]);
         self.repeat_last_step(&mut tangents)?;
+        let mut column = vec![0.0; out.len()];
         for tangent in &tangents.list {
-            self.tangent_outputs(&tangent.state, out);
+            self.tangent_outputs(&tangent.state, &mut column);
         }
-        Ok(())
+        self.hand_out(&column, out)
     }
 
     /// The transposed derivative: `out = (d outputs / d inputs)^T seed`, `seed` one value per output, `out` one per input.
@@ -52,14 +53,76 @@ impl Simulator {
         let inputs = self.model().input_count();
         check("seed of the outputs", seed, self.output_len())?;
         check_len("inputs", out.len(), inputs)?;
-        let unit = |i| (0..inputs).map(|j| f64::from(u8::from(i == j))).collect();
-        let mut tangents = Tangents::new(self.model(), (0..inputs).map(unit));
+        let mut tangents = Tangents::new(self.model(), unit_seeds(inputs));
         self.repeat_last_step(&mut tangents)?;
-        let mut column = vec![0.0; seed.len()];
-        for (out, tangent) in out.iter_mut().zip(&tangents.list) {
+        self.weigh(&tangents, seed, out)
+    }
+
+    /// Derivative of all outputs at this instant by the loads at this instant, along `seed`: that of the velocity and the contact
+    /// forces that are consistent with them at fixed displacement. Displacements, slips and energies have the derivative 0,
+    /// and so has everything where `time.start` is `zero`. Needs no step; costs one solution of the friction problem's tangent
+    /// and allocates.
+    ///
+    /// # Errors
+    /// [`Error::CallOrder`] before initialization, [`Error::Length`], [`Error::Value`].
+    pub fn instant_derivative(&mut self, seed: &[f64], out: &mut [f64]) -> Result<()> {
+        check("seed of the inputs", seed, self.model().input_count())?;
+        check_len("outputs", out.len(), self.output_len())?;
+        let tangents = self.instant_tangents([seed.to_vec()])?;
+        let mut column = vec![0.0; out.len()];
+        for tangent in &tangents.list {
             self.tangent_outputs(&tangent.state, &mut column);
-            *out = dot(seed, &column);
         }
+        self.hand_out(&column, out)
+    }
+
+    /// The transposed derivative of [`Simulator::instant_derivative`]: `out = (d outputs / d loads)^T seed`.
+    ///
+    /// # Errors
+    /// Those of [`Simulator::instant_derivative`].
+    pub fn instant_adjoint(&mut self, seed: &[f64], out: &mut [f64]) -> Result<()> {
+        let inputs = self.model().input_count();
+        check("seed of the outputs", seed, self.output_len())?;
+        check_len("inputs", out.len(), inputs)?;
+        let tangents = self.instant_tangents(unit_seeds(inputs))?;
+        self.weigh(&tangents, seed, out)
+    }
+
+    fn instant_tangents(&mut self, seeds: impl IntoIterator<Item = Vec<f64>>) -> Result<Tangents> {
+        let mut tangents = Tangents::new(self.model(), seeds);
+        self.solve_here("instant_derivative", |model, state, ws| {
+            if model.start() == Start::Zero {
+                return Ok(());
+            }
+            tangents.settle(model, state, ws)?;
+            for t in &mut tangents.list {
+                t.velocities[0].store_into(&mut t.state);
+            }
+            Ok(())
+        })?;
+        Ok(tangents)
+    }
+
+    /// Sums of the outputs' tangents, weighed by `seed`: one per tangent, if all of them are finite.
+    fn weigh(&self, tangents: &Tangents, seed: &[f64], out: &mut [f64]) -> Result<()> {
+        let mut column = vec![0.0; seed.len()];
+        let mut row = vec![0.0; out.len()];
+        for (entry, tangent) in row.iter_mut().zip(&tangents.list) {
+            self.tangent_outputs(&tangent.state, &mut column);
+            *entry = dot(seed, &column);
+        }
+        self.hand_out(&row, out)
+    }
+
+    /// Writes a derivative, if all of it is finite.
+    fn hand_out(&self, derivative: &[f64], out: &mut [f64]) -> Result<()> {
+        if derivative.iter().any(|v| !v.is_finite()) {
+            return Err(Error::Overflow {
+                what: "a derivative".into(),
+                time: self.time(),
+            });
+        }
+        out.copy_from_slice(derivative);
         Ok(())
     }
 
@@ -97,6 +160,10 @@ impl Simulator {
     }
 }
 
+fn unit_seeds(inputs: usize) -> impl Iterator<Item = Vec<f64>> {
+    (0..inputs).map(move |i| (0..inputs).map(|j| f64::from(u8::from(i == j))).collect())
+}
+
 fn check_len(what: &'static str, found: usize, expected: usize) -> Result<()> {
     if found == expected {
         Ok(())
@@ -123,12 +190,13 @@ fn check(what: &'static str, seed: &[f64], expected: usize) -> Result<()> {
 
 /// Derivatives of everything in a step along one seed.
 struct Tangent {
-    /// Of the state; its inputs are the seed.
+    /// Of the inputs.
+    seed: Vec<f64>,
     state: State,
     velocities: [Velocity; MAX_STAGES + 1],
     mean: Velocity,
     explicit: Explicit,
-    loads_at_start: Vec<f64>,
+    course: LoadCourse,
     load: Vec<f64>,
     /// State and velocity at the start of a part that may be refused.
     kept: (State, Velocity),
@@ -148,22 +216,15 @@ struct Tangents {
 impl Tangents {
     fn new(model: &Model, seeds: impl IntoIterator<Item = Vec<f64>>) -> Tangents {
         let contact = model.contact().len();
-        let tangent = |seed: Vec<f64>| {
-            let held = model.interpolations().iter().zip(&seed);
-            let loads_at_start: Vec<f64> = held
-                .map(|(kind, v)| f64::from(u8::from(*kind == Interpolation::Hold)) * v)
-                .collect();
-            let mut state = State::zero(model);
-            state.inputs.copy_from_slice(&seed);
-            Tangent {
-                state,
-                velocities: std::array::from_fn(|_| Velocity::new(model)),
-                mean: Velocity::new(model),
-                explicit: Explicit::new(model),
-                load: loads_at_start.clone(),
-                loads_at_start,
-                kept: (State::without_history(model), Velocity::new(model)),
-            }
+        let tangent = |seed: Vec<f64>| Tangent {
+            state: State::zero(model),
+            velocities: std::array::from_fn(|_| Velocity::new(model)),
+            mean: Velocity::new(model),
+            explicit: Explicit::new(model),
+            course: LoadCourse::new(seed.len()),
+            load: seed.clone(),
+            seed,
+            kept: (State::without_history(model), Velocity::new(model)),
         };
         Tangents {
             list: seeds.into_iter().map(tangent).collect(),
@@ -171,6 +232,15 @@ impl Tangents {
             product: vec![0.0; contact],
             sum: vec![0.0; model.states()],
         }
+    }
+
+    /// Tangent of `step::settle`, whose solution `state` holds.
+    fn settle(&mut self, model: &Model, state: &State, ws: &mut Workspace) -> Result<()> {
+        ws.velocities[0].load_from(state);
+        ws.explicit
+            .accumulated_slip
+            .copy_from_slice(&state.accumulated_slip);
+        self.solve(model, state, ws, 0.0, 0)
     }
 
     /// Tangent of `step::solve_stage`: of the velocity at `index`, from the explicit parts and loads in the tangents.
@@ -212,15 +282,24 @@ impl Tangents {
                 &mut velocity.magnitude,
             );
             multiply(contact.s, &velocity.contact, &mut self.product);
-            for (force, (dr, product)) in
-                velocity.force.iter_mut().zip(dr.iter().zip(&self.product))
+            for (reaction, (dr, product)) in velocity
+                .reaction
+                .iter_mut()
+                .zip(dr.iter().zip(&self.product))
             {
-                *force = dr - product;
+                *reaction = dr - product;
             }
+            let slip = &tangent.explicit.accumulated_slip;
+            friction.forces(
+                &velocity.contact,
+                slip,
+                &velocity.reaction,
+                &mut velocity.force,
+            );
             body.correct(
                 stage,
                 &velocity.contact,
-                &velocity.force,
+                &velocity.reaction,
                 &mut velocity.body,
                 &mut ws.scratch,
             );
@@ -233,16 +312,17 @@ impl Tangents {
 
 impl Companion for Tangents {
     fn start(&mut self, model: &Model, state: &State, ws: &mut Workspace) -> Result<()> {
-        let has_jump = self
-            .list
-            .iter()
-            .any(|t| t.loads_at_start.iter().any(|v| *v != 0.0));
+        let mut has_jump = false;
+        for t in &mut self.list {
+            for (i, seed) in t.seed.iter().enumerate() {
+                t.course.start[i] = ws.course.start_by_input[i] * seed;
+                t.course.end[i] = ws.course.end_by_input[i] * seed;
+            }
+            t.load.copy_from_slice(&t.course.start);
+            has_jump |= t.load.iter().any(|v| *v != 0.0);
+        }
         if has_jump && model.tableau().uses_start_velocity() && model.start() != Start::Zero {
-            ws.velocities[0].load_from(state);
-            ws.explicit
-                .accumulated_slip
-                .copy_from_slice(&state.accumulated_slip);
-            self.solve(model, state, ws, 0.0, 0)?;
+            self.settle(model, state, ws)?;
         }
         Ok(())
     }
@@ -263,7 +343,7 @@ impl Companion for Tangents {
 
     fn begin(&mut self, fraction: f64) {
         for t in &mut self.list {
-            interpolate_loads(&t.loads_at_start, &t.state.inputs, fraction, &mut t.load);
+            t.course.at(fraction, &mut t.load);
             t.velocities[0].load.copy_from_slice(&t.load);
         }
     }
@@ -279,8 +359,7 @@ impl Companion for Tangents {
         for t in &mut self.list {
             let known = &t.velocities[..place.index];
             explicit_part(&t.state, known, place.stage, k, &mut t.explicit);
-            let (start, end) = (&t.loads_at_start, &t.state.inputs);
-            interpolate_loads(start, end, place.fraction, &mut t.load);
+            t.course.at(place.fraction, &mut t.load);
         }
         self.solve(model, state, ws, place.stage.theta * k, place.index)
     }
@@ -303,7 +382,7 @@ impl Companion for Tangents {
                 k * (dot(&mean.load, &d.outputs) + dot(&d.load, &mean.outputs));
             energy[energy::VISCOUS] += 2.0 * k * viscous;
             energy[energy::FRICTION] +=
-                k * (dot(&mean.force, &d.contact) + dot(&d.force, &mean.contact));
+                k * (dot(&mean.reaction, &d.contact) + dot(&d.reaction, &mean.contact));
             energy[energy::ELASTIC] = elastic;
             t.velocities.swap(0, last);
         }

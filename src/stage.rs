@@ -73,6 +73,12 @@ pub(crate) fn solve_stage(
             )
         }
     };
+    if !solution.converged && !solution.residual.is_finite() {
+        return Err(Error::Overflow {
+            what: "the residual of the friction law".into(),
+            time: state.time,
+        });
+    }
     if !solution.converged {
         return Err(Error::NotConverged {
             time: state.time,
@@ -95,8 +101,13 @@ pub(crate) fn solve_stage(
     entry[report::ITERATIONS] += solution.iterations as f64;
     entry[report::RESIDUAL] = entry[report::RESIDUAL].max(solution.residual);
 
-    for (force, y) in velocity.force.iter_mut().zip(&ws.newton.accepted().y) {
-        *force = -y;
+    if solution.is_at_rounding {
+        entry[report::AT_ROUNDING] = 1.0;
+    }
+    let accepted = ws.newton.accepted();
+    contact.forces(accepted, &mut velocity.force);
+    for (reaction, y) in velocity.reaction.iter_mut().zip(&accepted.y) {
+        *reaction = -y;
     }
     let components = model.contact().components;
     for (magnitude, w) in velocity
@@ -109,7 +120,7 @@ pub(crate) fn solve_stage(
     body.correct(
         stage,
         &velocity.contact,
-        &velocity.force,
+        &velocity.reaction,
         &mut velocity.body,
         &mut ws.scratch,
     );

@@ -1,6 +1,7 @@
 //! The state: all that future steps depend on, and nothing else. Small, flat, compared and restored bit for bit.
 
 mod bytes;
+mod plausible;
 mod second;
 
 pub(crate) use second::Second;
@@ -8,7 +9,9 @@ pub(crate) use second::Second;
 use crate::error::{Error, Result};
 use crate::friction::law::MAX_COEFFICIENTS;
 use crate::friction::linearisation::no_points;
+use crate::linalg::dot;
 use crate::model::Model;
+use crate::scene::Inputs;
 
 /// Where a simulation stands. Vectors over the contact go node by node, components inner.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,6 +28,8 @@ pub struct State {
     pub(crate) is_initialized: u64,
     /// 1 when a coefficient changed and the velocity must be made consistent again.
     pub(crate) needs_settling: u64,
+    /// What the inputs mean, by its place in [`MEANINGS`].
+    meaning: u64,
     /// Displacement of the body, in the coordinates of its model.
     pub(crate) displacement: Vec<f64>,
     /// Velocity of the body, in the coordinates of its model.
@@ -33,14 +38,19 @@ pub struct State {
     pub(crate) slip_rate: Vec<f64>,
     /// Tangential displacement relative to the foundation, m.
     pub(crate) slip: Vec<f64>,
-    /// Contact forces Lambda, N; the force on the body is minus this.
+    /// Contact forces Lambda of the friction law, N; the force on the body is minus this. A node that slips carries its bound.
     pub(crate) force: Vec<f64>,
+    /// Contact forces with which the body is in balance, N: those of the law but for what the friction solver leaves. They
+    /// do the work in the energy balance.
+    pub(crate) reaction: Vec<f64>,
     /// Accumulated slip, m, one per node.
     pub(crate) accumulated_slip: Vec<f64>,
     /// Load intensities now.
     pub(crate) loads: Vec<f64>,
-    /// Load intensities at the end of the next step.
+    /// Load intensities as set last; `meaning` says where in the next step.
     pub(crate) inputs: Vec<f64>,
+    /// What is remembered of the inputs, and slopes that were given; see [`input_memory`].
+    pub(crate) input_memory: Vec<f64>,
     /// Work-conjugate integrals of the loads, then probes: of the displacement.
     pub(crate) output_displacement: Vec<f64>,
     /// The same of the velocity.
@@ -76,7 +86,9 @@ pub(crate) mod report {
     pub const RESIDUAL: usize = 1;
     pub const SOLUTIONS: usize = 2;
     pub const SOLUTION_GAP: usize = 3;
-    pub const COUNT: usize = 4;
+    /// 1 when the friction law holds as well as rounding allows, but not to the tolerance.
+    pub const AT_ROUNDING: usize = 4;
+    pub const COUNT: usize = 5;
 }
 
 /// Places in `State::control`.
@@ -92,14 +104,44 @@ pub(crate) mod control {
     pub const COUNT: usize = 4;
 }
 
-const COUNTERS: usize = 5;
-const BLOCKS: usize = 23;
+/// Places in `State::input_memory`.
+pub(crate) mod input_memory {
+    /// Communication points that slopes of inputs are known from: 0, 1, or 2 for more.
+    pub const POINTS: usize = 0;
+    /// Size of the last communication step, s.
+    pub const STEP: usize = 1;
+    const LOADS: usize = 2;
+    /// Of every load: its input at the beginning of the last step.
+    pub const VALUE: usize = 0;
+    /// The slope that led there, 1/s.
+    pub const SLOPE: usize = 1;
+    /// The slope that the host gave, 1/s.
+    pub const GIVEN: usize = 2;
+    /// 1 when it gave one.
+    pub const IS_GIVEN: usize = 3;
+    const PER_LOAD: usize = 4;
+
+    pub const fn of_load(load: usize) -> usize {
+        LOADS + PER_LOAD * load
+    }
+}
+
+/// Meanings of the inputs, by their number in a state.
+const MEANINGS: [Inputs; 3] = [Inputs::EndOfStep, Inputs::Hold, Inputs::Continue];
+
+const COUNTERS: usize = 6;
+const BLOCKS: usize = 26;
 /// How many of them, the first ones, internal steps change.
 const STEPPED: usize = BLOCKS - 3;
 
 impl State {
     /// The state before initialization.
     pub(crate) fn new(model: &Model) -> State {
+        State::with_rows(model, model.history_capacity())
+    }
+
+    /// The same with another number of rows in the history.
+    fn with_rows(model: &Model, rows: usize) -> State {
         let contact = model.contact().len();
         let nodes = model.contact().node_count();
         let outputs = model.output_count();
@@ -111,13 +153,16 @@ impl State {
             recorded: 0,
             is_initialized: 0,
             needs_settling: 0,
+            meaning: model.scene().time.inputs.unwrap_or_default() as u64,
             displacement: vec![0.0; model.states()],
             velocity: vec![0.0; model.states()],
             slip_rate: vec![0.0; contact],
             slip: vec![0.0; contact],
             force: vec![0.0; contact],
+            reaction: vec![0.0; contact],
             accumulated_slip: vec![0.0; nodes],
             loads: start.clone(),
+            input_memory: vec![0.0; input_memory::of_load(start.len())],
             inputs: start,
             output_displacement: vec![0.0; outputs],
             output_velocity: vec![0.0; outputs],
@@ -132,6 +177,7 @@ impl State {
                     velocity: vec![0.0; model.states()],
                     slip_rate: vec![0.0; contact],
                     force: vec![0.0; contact],
+                    reaction: vec![0.0; contact],
                     accumulated_slip: vec![0.0; nodes],
                     output_velocity: vec![0.0; outputs],
                     linearisation: no_points(nodes, model.contact().components),
@@ -139,7 +185,7 @@ impl State {
             } else {
                 Second::default()
             },
-            history: vec![0.0; model.history_capacity() * history_row(contact)],
+            history: vec![0.0; rows * history_row(contact)],
         }
     }
 
@@ -154,7 +200,7 @@ impl State {
     pub(crate) fn without_history(model: &Model) -> State {
         State {
             history: Vec::new(),
-            ..State::new(model)
+            ..State::with_rows(model, 0)
         }
     }
 
@@ -166,9 +212,11 @@ impl State {
             &self.slip_rate,
             &self.slip,
             &self.force,
+            &self.reaction,
             &self.accumulated_slip,
             &self.loads,
             &self.inputs,
+            &self.input_memory,
             &self.output_displacement,
             &self.output_velocity,
             &self.energy,
@@ -178,6 +226,7 @@ impl State {
             &self.second.velocity,
             &self.second.slip_rate,
             &self.second.force,
+            &self.second.reaction,
             &self.second.accumulated_slip,
             &self.second.output_velocity,
             &self.second.linearisation,
@@ -194,9 +243,11 @@ impl State {
             &mut self.slip_rate,
             &mut self.slip,
             &mut self.force,
+            &mut self.reaction,
             &mut self.accumulated_slip,
             &mut self.loads,
             &mut self.inputs,
+            &mut self.input_memory,
             &mut self.output_displacement,
             &mut self.output_velocity,
             &mut self.energy,
@@ -206,6 +257,7 @@ impl State {
             &mut self.second.velocity,
             &mut self.second.slip_rate,
             &mut self.second.force,
+            &mut self.second.reaction,
             &mut self.second.accumulated_slip,
             &mut self.second.output_velocity,
             &mut self.second.linearisation,
@@ -215,6 +267,36 @@ impl State {
         ]
     }
 
+    /// The blocks but for points of linearisation, in which infinity is a mark, and the recorded past.
+    fn numbers(&self) -> impl Iterator<Item = &Vec<f64>> {
+        let marked = [&self.linearisation, &self.second.linearisation];
+        let is_marked = move |block: &Vec<f64>| marked.iter().any(|m| std::ptr::eq(*m, block));
+        let blocks = self.blocks().into_iter().take(BLOCKS - 1);
+        blocks.filter(move |block| !is_marked(block))
+    }
+
+    /// Sum of the squares of all numbers but the recorded past; not a number, or infinite, where one of them is.
+    pub(crate) fn sum_of_squares(&self) -> f64 {
+        self.numbers().map(|block| dot(block, block)).sum()
+    }
+
+    /// Whether all numbers but the recorded past are finite.
+    pub(crate) fn is_finite(&self) -> bool {
+        self.numbers().flatten().all(|v| v.is_finite())
+    }
+
+    /// The blocks that are zero before initialization.
+    fn moving(&self) -> impl Iterator<Item = &Vec<f64>> {
+        let given = [
+            &self.loads,
+            &self.inputs,
+            &self.input_memory,
+            &self.coefficients,
+        ];
+        let is_given = move |block: &Vec<f64>| given.iter().any(|g| std::ptr::eq(*g, block));
+        self.numbers().filter(move |block| !is_given(block))
+    }
+
     fn counters(&self) -> [u64; COUNTERS] {
         [
             self.time.to_bits(),
@@ -222,6 +304,7 @@ impl State {
             self.recorded,
             self.is_initialized,
             self.needs_settling,
+            self.meaning,
         ]
     }
 
@@ -232,7 +315,14 @@ impl State {
             self.recorded,
             self.is_initialized,
             self.needs_settling,
-        ] = [counters[1], counters[2], counters[3], counters[4]];
+            self.meaning,
+        ] = [
+            counters[1],
+            counters[2],
+            counters[3],
+            counters[4],
+            counters[5],
+        ];
     }
 
     /// Copies another state of the same model, without allocating.
@@ -291,6 +381,15 @@ impl State {
                 found,
             })
         }
+    }
+
+    /// What the inputs mean.
+    pub(crate) fn meaning(&self) -> Inputs {
+        MEANINGS[self.meaning as usize]
+    }
+
+    pub(crate) fn set_meaning(&mut self, meaning: Inputs) {
+        self.meaning = meaning as u64;
     }
 
     /// Time, s.

@@ -1,6 +1,7 @@
 //! The algorithm of a step: predict, solve friction, correct, record.
 //!
 //! ```text
+//! loads at the two ends of the communication step; where they jump, the velocity follows   (input_course)
 //! for every part of the communication step                                     (step_sizes)
 //!     for every internal step of size k in it
 //!         for every stage i of the scheme                                      (qvi::Tableau)
@@ -20,16 +21,17 @@
 use crate::companion::{Companion, StagePlace};
 use crate::error::Result;
 use crate::error_estimate;
+use crate::input_course;
 use crate::model::Model;
-use crate::record::{add_energies, explicit_part, integrate, interpolate_loads, record};
-use crate::scene::{Interpolation, Start};
+use crate::record::{add_energies, explicit_part, integrate, record};
+use crate::scene::Start;
 use crate::stage::solve_stage;
 use crate::state::State;
 use crate::step_control::{self, Verdict};
 use crate::step_sizes::{Part, Parts};
 use crate::workspace::Workspace;
 
-/// Advances `state` by one communication step of `h`; its inputs are the loads at the end.
+/// Advances `state` by one communication step of `h`; what its inputs mean is part of it.
 ///
 /// # Errors
 /// [`crate::Error::NotConverged`], [`crate::Error::ToleranceOutOfReach`], [`crate::Error::Step`] for a million internal steps;
@@ -42,11 +44,10 @@ pub(crate) fn advance(
     companion: &mut impl Companion,
 ) -> Result<()> {
     state.report.fill(0.0);
-    apply_jumps(model, state, ws)?;
+    apply_jumps(model, state, ws, h)?;
     companion.start(model, state, ws)?;
-    ws.loads_at_start.copy_from_slice(&state.loads);
     let start = state.time;
-    let mut parts = Parts::of(h, model);
+    let mut parts = Parts::of(start, h, model);
     while let Some(part) = parts.next(step_control::proposed(model, state)) {
         step_control::keep(state, ws);
         companion.keep();
@@ -61,7 +62,8 @@ pub(crate) fn advance(
             Verdict::Refused => companion.go_back(),
         }
     }
-    state.loads.copy_from_slice(&state.inputs);
+    state.loads.copy_from_slice(&ws.course.end);
+    input_course::finish(state, h);
     Ok(())
 }
 
@@ -105,17 +107,13 @@ pub(crate) fn settle(model: &Model, state: &mut State, ws: &mut Workspace) -> Re
     Ok(())
 }
 
-/// Held inputs jump at the beginning of the step, coefficients have changed since the last one: the velocity follows.
-fn apply_jumps(model: &Model, state: &mut State, ws: &mut Workspace) -> Result<()> {
-    let mut has_jumped = state.needs_settling != 0;
-    for (i, kind) in model.interpolations().iter().enumerate() {
-        if *kind == Interpolation::Hold && state.loads[i] != state.inputs[i] {
-            state.loads[i] = state.inputs[i];
-            has_jumped = true;
-        }
-    }
+/// Loads may jump at the beginning of the step, coefficients may have changed since the last one: the velocity follows.
+fn apply_jumps(model: &Model, state: &mut State, ws: &mut Workspace, h: f64) -> Result<()> {
+    let has_jump = input_course::begin(model, state, h, &mut ws.course)?;
+    state.loads.copy_from_slice(&ws.course.start);
+    let is_settled = state.needs_settling == 0 && !has_jump;
     state.needs_settling = 0;
-    if has_jumped && (model.tableau().uses_start_velocity() || model.tolerance().is_some()) {
+    if !is_settled && (model.tableau().uses_start_velocity() || model.tolerance().is_some()) {
         settle(model, state, ws)?;
         error_estimate::follow_jump(model, state, ws)?;
     }
@@ -155,13 +153,13 @@ pub(crate) fn solve_stages(
     companion: &mut impl Companion,
 ) -> Result<()> {
     ws.velocities[0].load_from(state);
-    interpolate_loads(&ws.loads_at_start, &state.inputs, at(0.0), &mut ws.load);
+    ws.course.at(at(0.0), &mut ws.load);
     ws.velocities[0].load.copy_from_slice(&ws.load);
     companion.begin(at(0.0));
     for (i, stage) in model.tableau().stages().iter().enumerate() {
         let (index, fraction) = (i + 1, at(stage.instant));
         explicit_part(state, &ws.velocities[..index], stage, k, &mut ws.explicit);
-        interpolate_loads(&ws.loads_at_start, &state.inputs, fraction, &mut ws.load);
+        ws.course.at(fraction, &mut ws.load);
         ws.velocities[index].copy_warm_start(state);
         solve_stage(model, state, ws, stage.theta * k, index)?;
         ws.velocities[index].store_contact(state);

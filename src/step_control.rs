@@ -146,6 +146,12 @@ pub(crate) fn judge(
             .min(2.0 * model.largest_step());
         return Ok(Verdict::Accepted);
     }
+    if excess.is_nan() {
+        return Err(Error::Overflow {
+            what: "the error of a pair of internal steps".into(),
+            time: control.kept.time,
+        });
+    }
     let error = Error::ToleranceOutOfReach {
         time: control.kept.time,
         step: part.k,

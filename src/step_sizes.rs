@@ -51,10 +51,10 @@ pub(crate) struct Parts {
 }
 
 impl Parts {
-    /// Of a communication step of `h`.
-    pub fn of(h: f64, model: &Model) -> Parts {
+    /// Of a communication step of `h` from the time `start`.
+    pub fn of(start: f64, h: f64, model: &Model) -> Parts {
         let steps = if model.tolerance().is_some() { 2 } else { 1 };
-        let panels = panels(h, f64::from(steps) * model.largest_step());
+        let (panels, panel_size) = panels(start, h, f64::from(steps) * model.largest_step());
         Parts {
             next: Part {
                 panel: 0,
@@ -64,7 +64,7 @@ impl Parts {
                 steps,
                 k: 0.0,
             },
-            panel_size: without_jitter(h / panels as f64),
+            panel_size,
             size: h,
             taken: 0,
         }
@@ -123,10 +123,25 @@ const SAME_SIZE: f64 = 1e-9;
 /// Most halvings of a panel: places stay exact as numbers.
 const DEEPEST: u32 = 50;
 
-/// Equal panels, not larger than `largest`, that make up `h`.
-fn panels(h: f64, largest: f64) -> u64 {
-    // a communication step meant as a multiple of the internal one must not gain a step by rounding
-    ((h / largest) * (1.0 - SAME_SIZE)).ceil().max(1.0) as u64
+/// How many roundings of the time the difference of two communication points may be off: two of the points, two of how a
+/// host makes them.
+const ROUNDINGS: f64 = 4.0;
+/// Share of the largest panel that rounding of the time may make up.
+const MOST_ROUNDING: f64 = 0.01;
+
+/// Number and size of equal panels, not larger than `largest`, that make up a step of `h` from `start`.
+///
+/// A communication step that is a multiple of the largest panel but for the rounding of its two times is taken as that
+/// multiple: it gains no panel by rounding, and its panels have the very size of those at other times.
+fn panels(start: f64, h: f64, largest: f64) -> (u64, f64) {
+    let resolution = f64::EPSILON * start.abs().max((start + h).abs());
+    let rounding = (ROUNDINGS * resolution).min(MOST_ROUNDING * largest);
+    let multiple = (h / largest).round();
+    if multiple >= 1.0 && (h - multiple * largest).abs() <= rounding {
+        return (multiple as u64, without_jitter(largest));
+    }
+    let count = ((h / largest) * (1.0 - SAME_SIZE)).ceil().max(1.0);
+    (count as u64, without_jitter(h / count))
 }
 
 /// Rounds away the last bits of a step size: masters compute `t[i+1] - t[i]`, and sizes equal but for rounding must
@@ -190,6 +205,35 @@ mod tests {
             parts.pass().unwrap();
         }
         assert_eq!(sizes, [0.125, 0.125, 0.25, 0.5]);
+    }
+
+    /// Differences of times that a loop at a fixed rate computes, far from 0: as many panels as meant, all of one size.
+    #[test]
+    fn rounding_of_the_time_makes_no_panels() {
+        for largest in [1e-3, 1.0 / 60.0, 0.05, 0.1, 1e-5] {
+            for start in [0.0, 1.0, 16_384.0, 65_536.0, 131_072.0, 1e6, -1e6, 1.7e9] {
+                let first = (start / largest) as i64;
+                for i in first..first + 1000 {
+                    for multiple in [1, 2, 7] {
+                        let at = |i: i64| i as f64 * largest;
+                        let h = at(i + multiple) - at(i);
+                        // a rounding of a hundredth of the panel is more than rounding
+                        if 4.0 * f64::EPSILON * at(i + multiple).abs() < 0.01 * largest {
+                            let expected = (multiple as u64, without_jitter(largest));
+                            assert_eq!(panels(at(i), h, largest), expected, "{largest} at {start}");
+                        }
+                    }
+                }
+            }
+        }
+        // what is longer is longer, at any time
+        for start in [0.0, 1e6, 1e12, 1e15] {
+            assert_eq!(panels(start, 0.0102, 0.01).0, 2);
+            assert_eq!(panels(start, 0.25, 0.01).0, 25);
+        }
+        assert_eq!(panels(0.0, 0.010_000_1, 0.01).0, 2);
+        // shorter steps are what they are
+        assert_eq!(panels(1e6, 0.004, 0.01), (1, without_jitter(0.004)));
     }
 
     #[test]

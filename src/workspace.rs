@@ -1,5 +1,6 @@
 //! Scratch of one simulator: rebuilt at will, never saved, never changes a result.
 
+use crate::finite::FiniteCheck;
 use crate::friction::fixed_point::FixedPointWorkspace;
 use crate::friction::multiplicity::MultiplicityWorkspace;
 use crate::friction::newton;
@@ -15,7 +16,10 @@ pub(crate) struct Velocity {
     pub contact: Vec<f64>,
     /// Magnitude of the slip rate, one per node.
     pub magnitude: Vec<f64>,
+    /// Contact forces of the friction law.
     pub force: Vec<f64>,
+    /// Contact forces with which the body is in balance.
+    pub reaction: Vec<f64>,
     /// Work-conjugate integrals of the loads, then probes.
     pub outputs: Vec<f64>,
     pub load: Vec<f64>,
@@ -29,6 +33,7 @@ impl Velocity {
             contact: vec![0.0; contact.len()],
             magnitude: vec![0.0; contact.node_count()],
             force: vec![0.0; contact.len()],
+            reaction: vec![0.0; contact.len()],
             outputs: vec![0.0; model.output_count()],
             load: vec![0.0; model.interpolations().len()],
         }
@@ -39,6 +44,7 @@ impl Velocity {
         self.body.copy_from_slice(&state.velocity);
         self.contact.copy_from_slice(&state.slip_rate);
         self.force.copy_from_slice(&state.force);
+        self.reaction.copy_from_slice(&state.reaction);
         self.outputs.copy_from_slice(&state.output_velocity);
         let components = self.contact.len() / self.magnitude.len();
         for (to, w) in self
@@ -58,6 +64,7 @@ impl Velocity {
     pub fn store_contact(&self, state: &mut State) {
         state.slip_rate.copy_from_slice(&self.contact);
         state.force.copy_from_slice(&self.force);
+        state.reaction.copy_from_slice(&self.reaction);
     }
 
     /// Makes this the instant of the state.
@@ -72,11 +79,12 @@ impl Velocity {
         self.contact.copy_from_slice(&other.contact);
         self.magnitude.copy_from_slice(&other.magnitude);
         self.force.copy_from_slice(&other.force);
+        self.reaction.copy_from_slice(&other.reaction);
         self.outputs.copy_from_slice(&other.outputs);
         self.load.copy_from_slice(&other.load);
     }
 
-    /// The mean over a step (weights b_j) of the velocities at its start and its stages.
+    /// The mean over a step (weights b_j) of the velocities at its start and its stages; of the forces only those of balance.
     pub fn set_mean(&mut self, tableau: &Tableau, velocities: &[Velocity]) {
         let count = tableau.stages().len() + 1;
         for (j, velocity) in velocities[..count].iter().enumerate() {
@@ -84,7 +92,7 @@ impl Velocity {
             let others = [
                 &velocity.body,
                 &velocity.contact,
-                &velocity.force,
+                &velocity.reaction,
                 &velocity.outputs,
                 &velocity.load,
             ];
@@ -103,10 +111,43 @@ impl Velocity {
         [
             &mut self.body,
             &mut self.contact,
-            &mut self.force,
+            &mut self.reaction,
             &mut self.outputs,
             &mut self.load,
         ]
+    }
+}
+
+/// Loads at the two ends of a communication step, linear between them, and their derivatives by the inputs.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct LoadCourse {
+    pub start: Vec<f64>,
+    pub end: Vec<f64>,
+    pub start_by_input: Vec<f64>,
+    pub end_by_input: Vec<f64>,
+}
+
+impl LoadCourse {
+    pub fn new(loads: usize) -> LoadCourse {
+        let zeros = vec![0.0; loads];
+        LoadCourse {
+            start: zeros.clone(),
+            end: zeros.clone(),
+            start_by_input: zeros.clone(),
+            end_by_input: zeros,
+        }
+    }
+
+    /// Loads at a fraction of the communication step.
+    pub fn at(&self, fraction: f64, loads: &mut [f64]) {
+        let ends = self.start.iter().zip(&self.end);
+        for (load, (from, to)) in loads.iter_mut().zip(ends) {
+            *load = if fraction == 1.0 {
+                *to
+            } else {
+                from + (to - from) * fraction
+            };
+        }
     }
 }
 
@@ -135,8 +176,8 @@ pub(crate) struct Workspace {
     pub velocities: [Velocity; MAX_STAGES + 1],
     pub mean: Velocity,
     pub explicit: Explicit,
-    /// Loads at the start of the communication step.
-    pub loads_at_start: Vec<f64>,
+    /// Loads over the communication step.
+    pub course: LoadCourse,
     /// Loads at the instant of the stage.
     pub load: Vec<f64>,
     pub condensed_load: Vec<f64>,
@@ -144,6 +185,7 @@ pub(crate) struct Workspace {
     pub last_iterate: Vec<f64>,
     /// Scratch of the step control, where there is one.
     pub control: Option<ControlWorkspace>,
+    pub finite: FiniteCheck,
 }
 
 impl Workspace {
@@ -160,10 +202,11 @@ impl Workspace {
             velocities: std::array::from_fn(|_| Velocity::new(model)),
             mean: Velocity::new(model),
             explicit: Explicit::new(model),
-            loads_at_start: loads.clone(),
+            course: LoadCourse::new(loads.len()),
             load: loads,
             condensed_load: vec![0.0; len],
             last_iterate: vec![0.0; model.states()],
+            finite: FiniteCheck::new(model),
             control: (model.tolerance().is_some()).then(|| ControlWorkspace::new(model)),
         }
     }

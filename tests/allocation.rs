@@ -1,4 +1,5 @@
-//! A step of a reduced model allocates nothing: not for new step sizes, new loads, saving, restoring or reading outputs.
+//! A step of a reduced model allocates nothing: not for new step sizes, new loads, saving, restoring or reading outputs. Loading
+//! a model allocates what it is made of.
 
 #![allow(unsafe_code)] // a counting allocator
 
@@ -7,18 +8,20 @@ mod common;
 use common::paper;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
-use stickslip::{Simulator, compile};
+use stickslip::{Model, Simulator, compile};
 
 struct Counting;
 
 thread_local! {
     static COUNT: Cell<usize> = const { Cell::new(0) };
+    static BYTES: Cell<usize> = const { Cell::new(0) };
 }
 
 // SAFETY: forwards to the system allocator; only counts.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         COUNT.with(|c| c.set(c.get() + 1));
+        BYTES.with(|b| b.set(b.get() + layout.size()));
         // SAFETY: the caller's contract.
         unsafe { System.alloc(layout) }
     }
@@ -32,6 +35,25 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
+/// Loading copies what was compiled: it assembles and factors nothing.
+#[test]
+fn loading_a_model_takes_little_more_than_its_bytes() {
+    let spent = || (COUNT.with(Cell::get), BYTES.with(Cell::get));
+    let (count, size) = spent();
+    let bytes = compile(&paper(32, &[])).unwrap().to_bytes();
+    let compiling = (spent().0 - count, spent().1 - size);
+    let (count, size) = spent();
+    Model::from_bytes(&bytes).unwrap();
+    let loading = (spent().0 - count, spent().1 - size);
+    assert!(
+        loading.1 < 8 * bytes.len(),
+        "{loading:?} for {}",
+        bytes.len()
+    );
+    assert!(20 * loading.0 < compiling.0, "{loading:?} {compiling:?}");
+    assert!(20 * loading.1 < compiling.1, "{loading:?} {compiling:?}");
+}
+
 #[test]
 fn steps_allocate_nothing() {
     let fixed_point = r#"{"kind": "fixed_point"}"#;
@@ -41,6 +63,7 @@ fn steps_allocate_nothing() {
         (vec![("fidelity.solver", fixed_point)], 16),
         (vec![("fidelity.multiplicity_test", "true")], 16),
         (vec![("loads[0].interpolation", "hold")], 64),
+        (vec![("time.inputs", "continue")], 64),
         (vec![("time.error_estimate", "true")], 16),
         (vec![("time.tolerance", "1e-4")], 16),
     ] {

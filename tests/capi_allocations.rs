@@ -61,11 +61,18 @@ fn stepping_and_rolling_back_allocate_nothing() {
             let k = info.largest_step;
             let mut time = 0.0;
             let mut allocations = 0;
+            let mut port: stickslip_port = std::mem::zeroed();
+            let name = c"contact.friction.a".as_ptr();
+            assert_eq!(stickslip_model_find_port(model, name, &mut port), 0);
+            let pair = [port.reference, port.reference + 1];
             for n in 0..40 {
                 let before = COUNT.get();
                 let load = -0.3 - 0.002 * f64::from(n);
                 assert_eq!(stickslip_save_state(sim, state), 0);
                 assert_eq!(stickslip_set_inputs(sim, &load, 1), 0);
+                let bounds = [3e-3 - 1e-5 * f64::from(n), 1e-3 - 1e-5 * f64::from(n)];
+                let (to, from) = (pair.as_ptr(), bounds.as_ptr());
+                assert_eq!(stickslip_set_many(sim, to, from, 2), 0);
                 assert_eq!(stickslip_do_step(sim, time, k), 0);
                 assert_eq!(
                     stickslip_get_outputs(sim, outputs.as_mut_ptr(), outputs.len()),

@@ -33,7 +33,7 @@ fn call() -> impl Strategy<Value = Call> {
         1 => any::<f64>(),
     ];
     (
-        0..26_u8,
+        0..30_u8,
         0..5_u8,
         0..4_u8,
         0..8_u8,
@@ -226,6 +226,21 @@ impl World {
                         + stickslip_model_get_info(sim.cast(), null_mut())
                 }
                 24 => stickslip_restore_state(sim, sim.cast()),
+                25 => {
+                    // the last three ports are the coefficients a, b and alpha
+                    let a = self.info.ports as u32 - 3;
+                    let references = [a + n % 4, a + 1, 0];
+                    let values = [v, 0.5 * v, v];
+                    let from = if call.is_null {
+                        null()
+                    } else {
+                        values.as_ptr()
+                    };
+                    stickslip_set_many(sim, references.as_ptr(), from, around(2).min(3))
+                }
+                26 => stickslip_set_inputs_meaning(sim, n as i32 - 1),
+                27 => stickslip_set_input_slope(sim, n % 3, v),
+                28 => stickslip_clear_input_slope(sim, n),
                 _ => {
                     let mut port = std::mem::zeroed();
                     stickslip_model_get_port(self.model, n * 7, &mut port)

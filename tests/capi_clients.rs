@@ -264,6 +264,125 @@ fn the_shared_library_exports_its_interface_and_nothing_else() {
 }
 
 #[test]
+fn the_static_library_exports_its_interface_and_nothing_else() {
+    let library = prefix().join("lib/libstickslip.a");
+    let symbols = run(Command::new("nm")
+        .args(["-g", "--defined-only"])
+        .arg(library));
+    let header = std::fs::read_to_string(root().join("include/stickslip.h")).unwrap();
+    let names: Vec<_> = symbols
+        .lines()
+        .filter_map(|line| line.split_whitespace().nth(2))
+        .collect();
+    for name in &names {
+        assert!(name.starts_with("stickslip_"), "{name} is exported");
+        assert!(header.contains(&format!("{name}(")), "{name}");
+    }
+    let shared = run(Command::new("nm")
+        .args(["-D", "--defined-only"])
+        .arg(prefix().join("lib/libstickslip.so")));
+    assert_eq!(names.len(), shared.lines().count());
+}
+
+/// What pkg-config says is enough to link the static library, statically and not, beside a program that defines what a Rust
+/// library has too.
+#[test]
+fn a_static_program_links_with_what_pkg_config_says() {
+    let path = prefix().join("lib/pkgconfig");
+    let flags = run(Command::new("pkg-config")
+        .args(["--static", "--cflags", "--libs", "stickslip"])
+        .env("PKG_CONFIG_PATH", path));
+    let flags: Vec<_> = flags.split_whitespace().collect();
+    assert!(
+        flags.contains(&"-lstickslip") && !flags.contains(&"-lgcc_s"),
+        "{flags:?}"
+    );
+    let other = scratch("static").join("other.c");
+    let text = "int rust_eh_personality, rust_begin_unwind, __rust_alloc, __rust_dealloc;\n";
+    std::fs::write(&other, text).unwrap();
+    let lib = prefix().join("lib");
+    for options in [vec!["-static"], vec!["-static-pie"], vec![]] {
+        let program = scratch("static").join(format!("hello{}", options.concat()));
+        let mut command = Command::new("cc");
+        command.args(&options).arg(example("hello.c")).arg(&other);
+        command
+            .arg("-I")
+            .arg(root().join("examples_c"))
+            .args(&flags);
+        if options.is_empty() {
+            command.arg(format!("-Wl,-rpath,{}", lib.display()));
+        }
+        run(command.arg("-o").arg(&program));
+        run(&mut Command::new(program));
+    }
+}
+
+#[test]
+fn notices_and_licence_are_installed() {
+    for name in ["LICENSE", "THIRD-PARTY-NOTICES.txt"] {
+        let installed = prefix().join("share/doc/stickslip").join(name);
+        let text = std::fs::read_to_string(installed).unwrap();
+        assert_eq!(text, std::fs::read_to_string(root().join(name)).unwrap());
+        assert!(text.contains("MIT"));
+    }
+}
+
+/// Versions that a CMake project may ask for, and the ones that it must not get.
+#[test]
+fn the_cmake_package_knows_its_version() {
+    let source = scratch("cmake_version");
+    for (asked, is_found) in [
+        ("", true),
+        ("0", true),
+        ("0.1", true),
+        ("0.1.0", true),
+        ("0.1.0 EXACT", true),
+        ("0...1", true),
+        ("0.1...0.1.5", true),
+        ("0.0...<0.1.0", false),
+        ("0.0", false),
+        ("0.2", false),
+        ("0.1.7", false),
+        ("1", false),
+        ("1.1", false),
+        ("0 EXACT", false),
+    ] {
+        let text = format!(
+            "cmake_minimum_required(VERSION 3.19)\nproject(asks LANGUAGES NONE)\n\
+             find_package(stickslip {asked} CONFIG QUIET)\n\
+             if(stickslip_FOUND)\nmessage(STATUS \"it is found: ${{stickslip_VERSION}}\")\nendif()\n"
+        );
+        std::fs::write(source.join("CMakeLists.txt"), text).unwrap();
+        let build = source.join("build");
+        let _ = std::fs::remove_dir_all(&build);
+        let mut cmake = Command::new("cmake");
+        cmake.arg("-S").arg(&source).arg("-B").arg(&build);
+        let said = run(cmake.arg(format!("-DCMAKE_PREFIX_PATH={}", prefix().display())));
+        assert_eq!(
+            said.contains("it is found: 0.1.0"),
+            is_found,
+            "{asked}\n{said}"
+        );
+    }
+}
+
+#[test]
+fn the_environment_of_the_host_is_its_own() {
+    let source = root().join("tests/c/environment.c");
+    let program = build(&source, ("gcc", "-std=c99"), &[], "environment");
+    run(&mut Command::new(&program));
+}
+
+#[test]
+fn arrays_of_all_kinds_are_spans() {
+    let source = root().join("tests/c/spans.cpp");
+    for standard in ["-std=c++17", "-std=c++20"] {
+        let program = build(&source, ("g++", standard), &[], &format!("spans{standard}"));
+        run(&mut Command::new(&program));
+    }
+}
+
+#[test]
 fn a_makefile_finds_the_library_by_pkg_config() {
     let out = scratch("pkg_config");
     std::fs::copy(

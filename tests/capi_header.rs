@@ -13,6 +13,7 @@ fn the_committed_header_is_up_to_date() {
         "capi/guard",
         "capi/model",
         "capi/simulator",
+        "capi/inputs",
         "capi/state",
         "capi/derivative",
     ] {

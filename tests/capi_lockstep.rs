@@ -14,6 +14,16 @@ fn step_of(n: u32) -> (f64, f64) {
 
 #[test]
 fn restored_deserialized_and_cloned_runs_stay_in_lockstep_for_1000_steps() {
+    for meaning in [
+        STICKSLIP_INPUTS_END_OF_STEP,
+        STICKSLIP_INPUTS_HOLD,
+        STICKSLIP_INPUTS_CONTINUE,
+    ] {
+        run_in_lockstep(meaning);
+    }
+}
+
+fn run_in_lockstep(meaning: i32) {
     let text = CString::new(stickslip::scene::example("kazmi2014").unwrap()).unwrap();
     // SAFETY: handles are live until the end, arrays as long as said
     unsafe {
@@ -24,8 +34,13 @@ fn restored_deserialized_and_cloned_runs_stay_in_lockstep_for_1000_steps() {
         let mut sims = [null_mut(); 4];
         for sim in &mut sims[..3] {
             assert_eq!(stickslip_new(model, sim), 0);
+        }
+        // the others take the meaning of inputs from the state
+        assert_eq!(stickslip_set_inputs_meaning(sims[0], meaning), 0);
+        for sim in &sims[..3] {
             assert_eq!(stickslip_init(*sim, 0.0), 0);
         }
+        assert!(stickslip_set_inputs_meaning(sims[0], meaning) < 0);
         let step = |sim: *mut stickslip_simulator, n| {
             let (h, load) = step_of(n);
             let mut time = 0.0;

@@ -115,7 +115,12 @@ fn rectangle_is_first_order_where_it_is_stable() {
 #[test]
 fn rectangle_blows_up_beyond_its_stability_limit() {
     let scene = |step: &str, until: usize| {
-        let scene = paper(16, &[("time.scheme", "rectangle"), ("time.step", step)]);
+        let rectangle = [
+            ("time.scheme", "rectangle"),
+            ("time.force", "true"),
+            ("time.step", step),
+        ];
+        let scene = paper(16, &rectangle);
         let model = stickslip::compile(&scene).unwrap();
         let limit = model.stability_limit().unwrap();
         assert!((limit - 2.0 / 14.560_439_56).abs() < 1e-6, "{limit}");

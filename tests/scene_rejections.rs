@@ -78,7 +78,7 @@ fn types_and_names() {
         &[
             (r#""alpha": 100.0"#, r#""alpha": "fast""#, "contact.friction.alpha", "\"fast\"", "a number"),
             (r#""alpha": 100.0"#, r#""alpha": null"#, "contact.friction.alpha", "null", "a number"),
-            ("[32, 16]", "[32.0, 16]", "mesh.cells[0]", "32.0", "an integer >= 1"),
+            ("[32, 16]", "[32.5, 16]", "mesh.cells[0]", "32.5", "an integer >= 1"),
             ("[32, 16]", "[32, -16]", "mesh.cells[1]", "-16", "an integer >= 1"),
             ("[32, 16]", "[32, 4294967296]", "mesh.cells[1]", "4294967296", "an integer"),
             ("[32, 16]", "[32, 16, 8]", "mesh.cells", "[32,16,8]", "an array of 2"),
@@ -327,8 +327,8 @@ fn names_and_signals() {
             (r#""name": "press""#, r#""name": "solver""#, "loads[0].name", "solver", "other than"),
             (r#""name": "press""#, r#""name": "time""#, "loads[0].name", "time", "other than"),
             (signals, r#"{"pres": 1}"#, "run.signals.pres", "unknown load \"pres\"", "press"),
-            (signals, r#"{"press": [[0, 1], [0, 2]]}"#, "run.signals.press[1][0]", "0", "> 0"),
-            (signals, r#"{"press": [[0, 1], [2, 2], [1, 2]]}"#, "run.signals.press[2][0]", "1", "increase strictly: > 2"),
+            (signals, r#"{"press": [[0, 1], [0, 2], [0, 3]]}"#, "run.signals.press[2][0]", "0", "for a jump 0 twice"),
+            (signals, r#"{"press": [[0, 1], [2, 2], [1, 2]]}"#, "run.signals.press[2][0]", "1", "increase: > 2"),
         ],
     );
     assert_edits_refused(

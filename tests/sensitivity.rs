@@ -35,11 +35,16 @@ fn space(model: &str, scheme: &str, bound: f64) -> Value {
 
 /// Steps a scene, compares both derivatives with differences, returns the share of the contact that sticks.
 fn check(scene: Value, inputs: [f64; 2]) -> f64 {
-    check_and_count(scene, inputs, [1.1, 0.9]).0
+    check_and_count(scene, inputs, [1.0; 2], [1.1, 0.9]).0
 }
 
-/// The same for a last step with the inputs multiplied by `change`; also how many pairs of steps were refused in it.
-fn check_and_count(scene: Value, inputs: [f64; 2], change: [f64; 2]) -> (f64, u64) {
+/// The same for two first steps with the inputs multiplied by `approach` and a last one with `change`; also how many pairs of steps were refused in it.
+fn check_and_count(
+    scene: Value,
+    inputs: [f64; 2],
+    approach: [f64; 2],
+    change: [f64; 2],
+) -> (f64, u64) {
     let label = format!(
         "{} {} {}",
         scene["name"], scene["fidelity"]["model"], scene["time"]["scheme"]
@@ -48,8 +53,8 @@ fn check_and_count(scene: Value, inputs: [f64; 2], change: [f64; 2]) -> (f64, u6
     let mut sim = Simulator::new(compile(&scene).unwrap());
     sim.init(0.0).unwrap();
     // the last of the internal steps is not the only one: 0.05 is cut into three
-    for (t, h) in [(0.0, 0.05), (0.05, 0.03)] {
-        sim.set_inputs(&inputs).unwrap();
+    for ((t, h), factor) in [(0.0, 0.05), (0.05, 0.03)].into_iter().zip(approach) {
+        sim.set_inputs(&inputs.map(|v| factor * v)).unwrap();
         sim.do_step(t, h).unwrap();
     }
     let (t, h, last) = (0.08, 0.05, [change[0] * inputs[0], change[1] * inputs[1]]);
@@ -156,6 +161,91 @@ fn the_tangent_is_the_derivative_in_the_plane() {
     }
 }
 
+/// Whatever inputs mean: held from the beginning of the step; continued with their last slope, with twice the slope before it, or
+/// not continued.
+#[test]
+fn the_tangent_is_the_derivative_for_every_meaning_of_inputs() {
+    let mut stick = Vec::new();
+    for scheme in ["trapezoid", "rectangle", "backward_euler", "tr_bdf2"] {
+        for (meaning, change) in [
+            ("hold", [1.0, 0.9]),
+            ("continue", [1.0, 0.9]),
+            ("continue", [1.3, 0.95]),
+            ("continue", [0.8, 1.4]),
+        ] {
+            for (_, a) in PLANE_BOUND {
+                let friction = json!({"law": "exponential", "a": a, "b": 0.5 * a, "alpha": 2.0});
+                let mut scene = plane("reduced", scheme, "linear", friction);
+                scene["time"]["inputs"] = json!(meaning);
+                stick.push(check_and_count(scene, [-0.3, 0.05], [0.7, 0.85], change).0);
+            }
+        }
+    }
+    assert!(stick.contains(&1.0) && stick.contains(&0.0));
+}
+
+/// Without a step: velocities and forces follow the loads of the instant, displacements and energies do not.
+#[test]
+fn the_derivative_at_an_instant_is_that_of_the_consistent_start() {
+    for (_, a) in PLANE_BOUND {
+        let friction = json!({"law": "exponential", "a": a, "b": 0.5 * a, "alpha": 2.0});
+        let scene = plane("reduced", "trapezoid", "linear", friction).to_string();
+        let model = compile(&Scene::from_json(&scene, "test").unwrap()).unwrap();
+        let at = |inputs: [f64; 2]| {
+            let mut sim = Simulator::new(model.clone());
+            sim.set_inputs(&inputs).unwrap();
+            sim.init(0.0).unwrap();
+            sim
+        };
+        let inputs = [-0.3, 0.05];
+        let outputs = |sim: &Simulator| {
+            let mut out = vec![0.0; sim.output_len()];
+            sim.get_outputs(&mut out).unwrap();
+            out
+        };
+        let (seed, d) = ([0.7, -0.4], 1e-6);
+        let moved = |sign: f64| {
+            let [x, y] = inputs;
+            outputs(&at([x + sign * d * seed[0], y + sign * d * seed[1]]))
+        };
+        let (plus, minus) = (moved(1.0), moved(-1.0));
+        let mut sim = at(inputs);
+        let mut found = vec![0.0; sim.output_len()];
+        sim.instant_derivative(&seed, &mut found).unwrap();
+        let mut offset = 0;
+        for port in model.ports().outputs() {
+            let range = offset..offset + port.len();
+            offset += port.len();
+            if port.name.starts_with("solver.") || port.name.contains("stick") {
+                continue;
+            }
+            let expected: Vec<f64> = range
+                .clone()
+                .map(|i| (plus[i] - minus[i]) / (2.0 * d))
+                .collect();
+            let scale = expected.iter().fold(0.0, |a: f64, v| a.max(v.abs()));
+            for (found, expected) in found[range].iter().zip(&expected) {
+                let error = (found - expected).abs();
+                // a node that sticks has the rate 0 but for rounding
+                assert!(
+                    error <= 1e-6 * scale + 1e-14,
+                    "{}: {found} {expected}",
+                    port.name
+                );
+            }
+            let is_instant = ["slip_rate", "stress", "force", "velocity"];
+            let is_instant = is_instant.iter().any(|word| port.name.ends_with(word));
+            assert!(is_instant || scale == 0.0, "{}", port.name);
+        }
+        let weights: Vec<f64> = (0..found.len()).map(|j| (j as f64).sin()).collect();
+        let mut adjoint = [0.0; 2];
+        sim.instant_adjoint(&weights, &mut adjoint).unwrap();
+        let direct: f64 = weights.iter().zip(&found).map(|(w, x)| w * x).sum();
+        let back = adjoint[0] * seed[0] + adjoint[1] * seed[1];
+        assert!((direct - back).abs() <= 1e-11 * direct.abs().max(1e-3));
+    }
+}
+
 /// Chosen internal steps are held while the inputs vary: so small a change of inputs does not change them either.
 #[test]
 fn the_tangent_is_the_derivative_with_chosen_steps() {
@@ -175,7 +265,7 @@ fn the_tangent_is_the_derivative_with_chosen_steps() {
                     // the smallest steps cannot do 1e-14
                     scene["fidelity"]["friction_tolerance"] = json!(1e-13);
                     let change = [3.0, -2.0];
-                    let (_, refused) = check_and_count(scene, [-0.3, 0.05], change);
+                    let (_, refused) = check_and_count(scene, [-0.3, 0.05], [1.0; 2], change);
                     refusals += refused;
                 }
             }

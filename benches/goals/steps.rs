@@ -9,7 +9,7 @@ use faer::{Accum, Mat, MatMut, MatRef, Par};
 use serde_json::{Value, json};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use stickslip::course::{Points, set_loads};
+use stickslip::course::{Points, set_loads, set_loads_of_step};
 use stickslip::{Model, Scene, Simulator, linalg};
 
 /// Time for the runs of one kind.
@@ -40,12 +40,7 @@ impl<'a> Run<'a> {
     /// With the bound of friction times `factor`.
     fn new(scene: &'a Scene, model: &Arc<Model>, factor: f64) -> Result<Run<'a>, stickslip::Error> {
         let mut simulator = Simulator::new(Arc::clone(model));
-        // of an exponential law the second coefficient is not to exceed the first
-        let mut coefficients = ["bound", "a", "b"];
-        if factor < 1.0 {
-            coefficients.reverse();
-        }
-        for name in coefficients.iter().filter(|_| factor != 1.0) {
+        for name in ["bound", "a", "b"].iter().filter(|_| factor != 1.0) {
             let name = format!("contact.friction.{name}");
             if let Ok(port) = model.ports().find(&name) {
                 let found = value(&simulator, &name);
@@ -66,7 +61,7 @@ impl<'a> Run<'a> {
     /// The time of step `n`, counted from 1, us.
     fn step(&mut self, n: u64) -> Result<f64, stickslip::Error> {
         let (from, to) = (self.points.at(n - 1), self.points.at(n));
-        set_loads(self.scene, &mut self.simulator, to)?;
+        set_loads_of_step(self.scene, &mut self.simulator, from, to)?;
         let begin = Instant::now();
         self.simulator.do_step(from, to - from)?;
         Ok(1e6 * begin.elapsed().as_secs_f64())
@@ -149,6 +144,12 @@ fn mean(steps: &[Timed], is_part: impl Fn(&Timed) -> bool) -> Value {
 }
 
 pub fn measure(scene: &Scene) -> Outcome {
+    // one internal step each, whatever the communication step of the scene is
+    let scene = &{
+        let mut scene = scene.clone();
+        scene.run.step = None;
+        scene
+    };
     let model = stickslip::compile(scene)?;
     let mut run = Run::new(scene, &model, 1.0)?;
     let first = run.first()?;

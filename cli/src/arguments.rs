@@ -1,7 +1,8 @@
 //! The command line.
 
+use crate::standard;
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Frictional contact of a viscoelastic body, stepped through the interface a master uses.
 ///
@@ -35,11 +36,24 @@ pub enum Command {
 
 #[derive(Args)]
 pub struct SceneChoice {
-    /// A scene file, or the name of an embedded example (kazmi2014 is the paper's).
+    /// A scene file, the name of an embedded example (kazmi2014 is the paper's), or `-` for standard input.
     pub scene: String,
     /// Replace a value of the scene, e.g. `contact.friction.alpha=50` or `loads[0].start=1`; may be repeated.
     #[arg(long = "set", value_name = "PATH=VALUE", value_parser = parse_override)]
     pub overrides: Vec<(String, String)>,
+    /// Take an explicit scheme beyond its stability limit all the same: `time.force=true` of the scene.
+    #[arg(long)]
+    pub force: bool,
+}
+
+impl SceneChoice {
+    /// What messages call the scene.
+    pub fn name(&self) -> &str {
+        match standard::is_meant(Path::new(&self.scene)) {
+            true => standard::INPUT,
+            false => &self.scene,
+        }
+    }
 }
 
 #[derive(Args)]
@@ -52,25 +66,24 @@ pub struct RunOptions {
     /// Communication step, s [default: run.step of the scene, else time.step]; cut into internal steps no larger than time.step.
     #[arg(long, value_name = "H", allow_negative_numbers = true)]
     pub step: Option<f64>,
-    /// Write one row per communication point and contact node; nodes are numbered from 0.
+    /// Write one row per communication point and contact node; nodes are numbered from 0. `-` is standard output, and what is
+    /// said of the run goes to standard error.
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
-    /// Write the deformed body at every communication point (legacy VTK, with a .vtk.series index for ParaView).
+    /// Write the deformed body at every communication point (legacy VTK, with a .vtk.series index for ParaView); the files of
+    /// an earlier run of the scene go.
     #[arg(long, value_name = "DIR")]
     pub vtk: Option<PathBuf>,
     /// Draw slip rate and stress along the contact, the stick-slip map and the energies (PNG and SVG).
     #[arg(long, value_name = "DIR")]
     pub plots: Option<PathBuf>,
-    /// Run an explicit scheme beyond its stability limit all the same.
-    #[arg(long)]
-    pub force: bool,
 }
 
 #[derive(Args)]
 pub struct FmuOptions {
     #[command(flatten)]
     pub choice: SceneChoice,
-    /// The FMU to write; missing folders are made.
+    /// The FMU to write; missing folders are made. `-` is standard output.
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
     /// Version of FMI (Co-Simulation).
@@ -92,7 +105,10 @@ pub struct TradeoffOptions {
     /// always measured.
     #[arg(long, value_name = "SECONDS", default_value = "60", value_parser = parse_budget)]
     pub budget: f64,
-    /// Write one row per setting measured.
+    /// Multiplications to spend, by estimate, instead of time: the same settings are measured on every machine.
+    #[arg(long, value_name = "NUMBER", conflicts_with = "budget", value_parser = parse_budget)]
+    pub work: Option<f64>,
+    /// Write one row per setting measured; `-` is standard output.
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
     /// Draw the errors against the cost of a run (PNG and SVG).
@@ -127,7 +143,7 @@ pub struct PaperOptions {
 fn parse_budget(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(seconds) if seconds.is_finite() && seconds >= 0.0 => Ok(seconds),
-        _ => Err("expected seconds, 0 or more".to_owned()),
+        _ => Err("expected a number, 0 or more".to_owned()),
     }
 }
 

@@ -1,9 +1,10 @@
 //! The closing table of a run: what was compiled, what guarantees it, what it cost and how well it was solved.
 
-use crate::course::{Effort, Frame};
+use crate::course::{Effort, Frame, Multiplicity};
 use comfy_table::{LineStyle, Table, TableStyle, presets};
 use std::time::Duration;
 use stickslip::Model;
+use stickslip::message::{escaped, number};
 use stickslip::model::Summary;
 use stickslip::scene::ModelKind;
 use stickslip::tradeoff::{Quantity, Selection};
@@ -79,7 +80,7 @@ impl Closing {
             format!(
                 "{} to t = {} s, {:.4} ms each ({:.2} ms in all)",
                 effort.internal_steps,
-                self.end,
+                number(self.end),
                 1e3 * per_step,
                 1e3 * effort.stepping.as_secs_f64()
             ),
@@ -103,8 +104,18 @@ impl Closing {
         ));
         rows.push((
             "friction residual",
-            format!("{:.1e} at most", effort.residual),
+            match effort.at_rounding {
+                0 => format!("{:.1e} at most", effort.residual),
+                steps => format!(
+                    "{:.1e} at most; in {steps} steps rounding allows for no tolerance of {:.1e}",
+                    effort.residual,
+                    model.scene().fidelity.friction_tolerance
+                ),
+            },
         ));
+        if let Some(found) = effort.multiplicity {
+            rows.push(("several solutions", several(found, effort.iterations.len())));
+        }
         if let Some(estimate) = effort.error_estimate {
             rows.push((
                 "error in time",
@@ -126,10 +137,21 @@ impl Closing {
                 100.0 * self.stick.0,
                 100.0 * self.stick.1,
                 self.fastest.0,
-                self.fastest.1
+                number(self.fastest.1)
             ),
         ));
         two_columns(&summary.name, rows)
+    }
+}
+
+/// What the test for several solutions found in that many communication steps.
+fn several(found: Multiplicity, steps: usize) -> String {
+    match found.steps {
+        0 => format!("none seen in {steps} communication steps"),
+        count => format!(
+            "seen in {count} of {steps} communication steps, slip rates up to {:.3e} m/s apart; the run follows one of them",
+            found.gap
+        ),
     }
 }
 
@@ -172,6 +194,17 @@ pub fn compiled(summary: &Summary, model: &Model) -> Vec<(&'static str, String)>
             ),
         ));
     }
+    if let Some(why) = &summary.fallback {
+        rows.push(("auto", format!("no reduced model: {why}")));
+    }
+    rows.push((
+        "rounding",
+        format!(
+            "{:.1e} of the response of the body, by estimate (fidelity.tolerance {:.1e})",
+            summary.lost_digits,
+            model.scene().fidelity.tolerance
+        ),
+    ));
     if let Some(selection) = &summary.selection {
         rows.push(("target error", target(selection)));
     }
@@ -219,7 +252,11 @@ pub fn certificate(model: &Model) -> Vec<(&'static str, String)> {
             "Theorem 5.3",
             verdict(
                 c.is_theorem_satisfied(),
-                &format!("c0² L_g = {product:.4} {sign} m_A = {:.4} Pa s", c.m_a),
+                &format!(
+                    "c0² L_g = {} {sign} m_A = {} Pa s",
+                    figure(product, 4),
+                    figure(c.m_a, 4)
+                ),
             ),
         ),
         (
@@ -227,18 +264,24 @@ pub fn certificate(model: &Model) -> Vec<(&'static str, String)> {
             verdict(
                 c.is_step_unique(),
                 &format!(
-                    "{:.4} {sharp} L_g = {:.4} Pa s/m at {} s",
-                    c.sharp_step,
-                    c.l_g,
-                    model.largest_step()
+                    "{} {sharp} L_g = {} Pa s/m at {} s",
+                    figure(c.sharp_step, 4),
+                    figure(c.l_g, 4),
+                    number(model.largest_step())
                 ),
             ),
         ),
     ];
     if let Some(limit) = model.stability_limit() {
-        rows.push(("stability limit", format!("{limit:.6} s")));
+        rows.push(("stability limit", format!("{} s", figure(limit, 6))));
     }
     rows
+}
+
+/// The stability limit of an explicit scheme whose step is beyond it, s.
+pub fn exceeded_limit(model: &Model) -> Option<f64> {
+    let limit = model.stability_limit();
+    limit.filter(|limit| model.largest_step() > *limit)
 }
 
 /// Name of a kind of model, as scenes write it.
@@ -251,6 +294,15 @@ fn kind(kind: ModelKind) -> &'static str {
     }
 }
 
+/// A figure with a number of decimals, or with an exponent where these would show nothing of it or too much.
+pub fn figure(value: f64, decimals: usize) -> String {
+    if value == 0.0 || (1e-3..1e7).contains(&value.abs()) {
+        format!("{value:.decimals$}")
+    } else {
+        format!("{value:.decimals$e}")
+    }
+}
+
 /// A table of names and values under a title.
 pub fn two_columns(title: &str, rows: Vec<(&'static str, String)>) -> String {
     let mut table = Table::new();
@@ -258,7 +310,7 @@ pub fn two_columns(title: &str, rows: Vec<(&'static str, String)>) -> String {
     for (name, value) in rows {
         table.add_row(vec![name.to_owned(), value]);
     }
-    format!("{title}\n{}", trimmed(&table))
+    format!("{}\n{}", escaped(title), trimmed(&table))
 }
 
 /// Lines above and below the header and at the end.

@@ -1,8 +1,13 @@
 //! What goes to the terminal: results on stdout, remarks on stderr, progress bars only where someone looks.
 
 use crate::failure::Failure;
+use crate::standard;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{ErrorKind, IsTerminal, Write};
+use std::ops::ControlFlow;
+use std::path::Path;
+use stickslip::model::Progress;
+use stickslip::{Compilation, Scene};
 
 /// Prints lines of results. A reader that has closed its end has seen enough: the work goes on without it.
 pub fn say(text: &str) -> Result<(), Failure> {
@@ -11,6 +16,15 @@ pub fn say(text: &str) -> Result<(), Failure> {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Failure::Output(error)),
         _ => Ok(()),
     }
+}
+
+/// Prints what is said beside a file of results: on standard error where the file is standard output.
+pub fn say_beside(results: Option<&Path>, text: &str) -> Result<(), Failure> {
+    if results.is_some_and(standard::is_meant) {
+        let _ = writeln!(std::io::stderr().lock(), "{text}");
+        return Ok(());
+    }
+    say(text)
 }
 
 /// Prints a remark or an error; where stderr is closed there is nobody to tell.
@@ -26,6 +40,21 @@ pub fn spinner(what: &str) -> ProgressBar {
     }
     spinner.enable_steady_tick(std::time::Duration::from_millis(200));
     spinner
+}
+
+/// Compiles a scene; where stderr is a terminal, with a bar of what is done.
+pub fn compile(scene: &Scene) -> stickslip::Result<Compilation> {
+    let bar = bar(100, &scene.name);
+    if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {percent} %") {
+        bar.set_style(style);
+    }
+    let outcome = Compilation::with(scene, &mut |now: Progress| {
+        bar.set_message(format!("compiling {}: {}", scene.name, now.phase.name()));
+        bar.set_position((100.0 * now.fraction) as u64);
+        ControlFlow::Continue(())
+    });
+    bar.finish_and_clear();
+    outcome
 }
 
 /// A progress bar of `steps`, invisible unless stderr is a terminal.

@@ -5,24 +5,21 @@
 
 use crate::course::Frame;
 use crate::failure::Failure;
-use std::fs::File;
+use crate::standard;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use stickslip::fem::ContactPatch;
 
 pub struct ContactTable {
     path: PathBuf,
-    writer: csv::Writer<File>,
+    writer: csv::Writer<Box<dyn Write>>,
 }
 
 impl ContactTable {
-    /// Creates the file, its folder if need be, and writes the header.
+    /// Creates the file, its folder if need be, and writes the header; `-` is standard output.
     pub fn create(path: &Path, contact: &ContactPatch) -> Result<ContactTable, Failure> {
         let failed = Failure::writing(path);
-        if let Some(folder) = path.parent() {
-            std::fs::create_dir_all(folder).map_err(|e| failed(&e))?;
-        }
-        let file = File::create(path).map_err(|e| failed(&e))?;
-        let mut writer = csv::Writer::from_writer(file);
+        let mut writer = csv::Writer::from_writer(standard::create(path)?);
         writer
             .write_record(header(contact.components))
             .map_err(|e| failed(&e))?;

@@ -2,7 +2,7 @@
 
 use crate::failure::Failure;
 use std::time::{Duration, Instant};
-use stickslip::course::{Points, set_loads};
+use stickslip::course::{Points, set_loads, step_to};
 use stickslip::{Scene, Simulator};
 
 /// The contact and the energies at one communication point. Contact arrays go node by node, components inner.
@@ -39,10 +39,23 @@ pub struct Effort {
     pub refused_pairs: u64,
     /// Largest friction residual.
     pub residual: f64,
+    /// Communication steps in which rounding kept the friction law from holding to the tolerance.
+    pub at_rounding: u64,
+    /// What the test for several solutions found, where it is on.
+    pub multiplicity: Option<Multiplicity>,
     /// Largest estimate of the error in time, where there is one.
     pub error_estimate: Option<f64>,
     /// Time spent in steps.
     pub stepping: Duration,
+}
+
+/// What the test for several solutions found in a run.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Multiplicity {
+    /// Communication steps in which an internal step had several solutions.
+    pub steps: u64,
+    /// Largest difference between solutions of one internal step, m/s.
+    pub gap: f64,
 }
 
 impl Effort {
@@ -57,12 +70,6 @@ impl Effort {
     }
 }
 
-/// The largest internal step that a scene takes where the model allows `largest`, s.
-pub fn internal_step(points: &Points, largest: f64) -> f64 {
-    let step = points.step.min(points.until);
-    step / (step / largest * (1.0 - 1e-9)).ceil().max(1.0)
-}
-
 /// Steps the scene and shows every communication point, the start included, to `observe`.
 pub fn follow(
     scene: &Scene,
@@ -73,33 +80,32 @@ pub fn follow(
     let failed = Failure::of(source_name);
     let points = Points::of(scene);
     let mut effort = Effort::default();
+    if scene.fidelity.multiplicity_test {
+        effort.multiplicity = Some(Multiplicity::default());
+    }
     set_loads(scene, simulator, points.at(0)).map_err(&failed)?;
     simulator.init(points.at(0)).map_err(&failed)?;
     observe(simulator, &frame(simulator).map_err(&failed)?)?;
-    for n in 1..=points.count {
-        let (from, to) = (simulator.time(), points.at(n));
-        set_loads(scene, simulator, to).map_err(&failed)?;
+    for to in (1..=points.count).flat_map(|n| points.stops(n)) {
         let start = Instant::now();
-        simulator.do_step(from, to - from).map_err(&failed)?;
+        step_to(scene, &points, simulator, to).map_err(&failed)?;
         effort.stepping += start.elapsed();
+        if let Some(found) = &mut effort.multiplicity {
+            let (solutions, gap) = simulator.solutions();
+            found.steps += u64::from(solutions > 1.0);
+            found.gap = found.gap.max(gap);
+        }
         let scalar = |name| Ok(simulator.get_by_name(name)?[0]);
         effort
             .iterations
             .push(scalar("solver.iterations").map_err(&failed)?);
         let residual = scalar("solver.residual").map_err(&failed)?;
         effort.residual = effort.residual.max(residual);
+        effort.at_rounding += u64::from(simulator.residual_at_rounding().is_some());
         if let Ok(estimate) = scalar("solver.error_estimate") {
             effort.error_estimate = Some(effort.error_estimate.unwrap_or(0.0).max(estimate));
         }
-        let frame = frame(simulator).map_err(&failed)?;
-        let values = frame.slip_rate.iter().chain(&frame.tangential_stress);
-        if !values.chain(&frame.slip).all(|v| v.is_finite()) {
-            return Err(Failure::NotFinite {
-                source_name: source_name.to_owned(),
-                time: frame.time,
-            });
-        }
-        observe(simulator, &frame)?;
+        observe(simulator, &frame(simulator).map_err(&failed)?)?;
     }
     effort.internal_steps = simulator.internal_steps();
     effort.refused_pairs = simulator.refused_pairs();

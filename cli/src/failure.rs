@@ -2,6 +2,7 @@
 
 use std::fmt;
 use std::path::{Path, PathBuf};
+use stickslip::message::{cut, escaped};
 use stickslip_fmu::PackageError;
 
 #[derive(Debug)]
@@ -10,7 +11,6 @@ pub enum Failure {
     Library {
         source_name: String,
         error: Box<stickslip::Error>,
-        hint: &'static str,
     },
     /// A file cannot be read or written.
     File {
@@ -27,8 +27,6 @@ pub enum Failure {
     Option(&'static str),
     /// Neither a file nor an embedded example.
     NoScene { name: String },
-    /// The results are no numbers.
-    NotFinite { source_name: String, time: f64 },
     /// Standard output is not writable, other than by being closed.
     Output(std::io::Error),
 }
@@ -50,7 +48,6 @@ impl Failure {
         move |error| Failure::Library {
             source_name: source_name.clone(),
             error: Box::new(error),
-            hint: "",
         }
     }
 }
@@ -58,11 +55,7 @@ impl Failure {
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let text = match self {
-            Failure::Library {
-                source_name,
-                error,
-                hint,
-            } => match error.as_ref() {
+            Failure::Library { source_name, error } => match error.as_ref() {
                 // the library calls a mesh's scene "scene"
                 stickslip::Error::Scene {
                     path,
@@ -70,7 +63,7 @@ impl fmt::Display for Failure {
                     allowed,
                     ..
                 } => format!("{source_name}: at {path}: found {found}; allowed: {allowed}"),
-                error => format!("{source_name}: {error}{hint}"),
+                error => format!("{source_name}: {error}"),
             },
             Failure::File { path, doing, why } => {
                 format!("{}: cannot {doing}: {why}", path.display())
@@ -80,16 +73,14 @@ impl fmt::Display for Failure {
             Failure::NoScene { name } => {
                 let names: Vec<_> = stickslip::scene::example_names().collect();
                 format!(
-                    "{name}: neither a file nor an embedded example ({})",
+                    "{}: neither a file nor an embedded example ({})",
+                    cut(name),
                     names.join(", ")
                 )
-            }
-            Failure::NotFinite { source_name, time } => {
-                format!("{source_name}: the results are not finite at time {time}")
             }
             Failure::Output(error) => format!("standard output: {error}"),
         };
         // one line, whatever a file name or a text in the scene contains
-        f.write_str(&text.replace(['\n', '\r'], " "))
+        f.write_str(&escaped(&text))
     }
 }

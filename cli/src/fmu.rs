@@ -4,8 +4,11 @@ use crate::arguments::{Fmi, FmuOptions};
 use crate::console;
 use crate::failure::Failure;
 use crate::source;
+use crate::standard;
+use std::io::Write;
 use std::path::Path;
 use stickslip::Scene;
+use stickslip::message::escaped;
 use stickslip_fmu::{FmiVersion, Options, PackageError, Packed, package};
 
 /// `stickslip fmu`.
@@ -16,7 +19,7 @@ pub fn run(options: &FmuOptions) -> Result<(), Failure> {
         ));
     }
     let scene = source::scene(&options.choice, &[])?;
-    let name = &options.choice.scene;
+    let name = options.choice.name().to_owned();
     let packed = pack(
         &scene,
         Options {
@@ -26,20 +29,24 @@ pub fn run(options: &FmuOptions) -> Result<(), Failure> {
             },
             is_scalar: options.scalar,
             library: options.library.clone(),
-            source_name: name.clone(),
+            source_name: name,
         },
     )?;
     write(&options.output, &packed)?;
+    let place = match standard::is_meant(&options.output) {
+        true => "standard output".to_owned(),
+        false => options.output.display().to_string(),
+    };
     let version = match options.fmi {
         Fmi::Two => "2.0",
         Fmi::Three => "3.0",
     };
-    console::say(&format!(
-        "{}: FMI {version}, {:.1} MB; {}",
-        options.output.display(),
+    let text = format!(
+        "{place}: FMI {version}, {:.1} MB; {}",
         packed.bytes.len() as f64 / 1e6,
         library(&packed)
-    ))
+    );
+    console::say_beside(Some(&options.output), &escaped(&text))
 }
 
 /// The FMU of a scene; `options.source_name` is what errors call the scene.
@@ -53,13 +60,12 @@ pub fn pack(scene: &Scene, options: Options) -> Result<Packed, Failure> {
     })
 }
 
-/// Writes the file, and the folders it lies in.
+/// Writes the file, and the folders it lies in; `-` is standard output.
 pub fn write(path: &Path, packed: &Packed) -> Result<(), Failure> {
     let failed = Failure::writing(path);
-    if let Some(folder) = path.parent().filter(|f| !f.as_os_str().is_empty()) {
-        std::fs::create_dir_all(folder).map_err(|e| failed(&e))?;
-    }
-    std::fs::write(path, &packed.bytes).map_err(|e| failed(&e))
+    let mut file = standard::create(path)?;
+    let written = file.write_all(&packed.bytes);
+    written.and_then(|()| file.flush()).map_err(|e| failed(&e))
 }
 
 /// Which library is in the FMU, and the oldest system that loads it.

@@ -16,6 +16,7 @@ mod pictures;
 mod run;
 mod run_pictures;
 mod source;
+mod standard;
 mod tradeoff;
 mod vtk;
 

@@ -2,7 +2,7 @@
 
 use crate::arguments::RunOptions;
 use crate::body_picture;
-use crate::closing::Closing;
+use crate::closing::{self, Closing};
 use crate::console;
 use crate::contact_table::ContactTable;
 use crate::course;
@@ -12,8 +12,9 @@ use crate::source;
 use crate::vtk::Series;
 use std::sync::Arc;
 use std::time::Instant;
+use stickslip::Simulator;
 use stickslip::course::Points;
-use stickslip::{Compilation, Error, Simulator};
+use stickslip::message::escaped;
 
 pub fn run(options: &RunOptions) -> Result<(), Failure> {
     let mut replaced = Vec::new();
@@ -21,12 +22,18 @@ pub fn run(options: &RunOptions) -> Result<(), Failure> {
         replaced.extend(value.map(|v| (path.to_owned(), format!("{v:?}"))));
     }
     let scene = source::scene(&options.choice, &replaced)?;
-    let name = options.choice.scene.as_str();
+    let name = options.choice.name();
+    let points = Points::checked(&scene).map_err(Failure::of(name))?;
     let start = Instant::now();
-    let compilation = Compilation::new(&scene).map_err(Failure::of(name))?;
+    let compilation = console::compile(&scene).map_err(Failure::of(name))?;
     let setup = start.elapsed();
     let scene = &compilation.scene;
-    refuse_unstable(&compilation, name, options.force)?;
+    if let Some(limit) = closing::exceeded_limit(&compilation.model) {
+        console::warn(&format!(
+            "{name}: time.step = {} is beyond the stability limit {limit:.6} s; time.force takes it all the same",
+            scene.time.step
+        ));
+    }
 
     let contact = &compilation.body.contact;
     let mut table = match &options.csv {
@@ -40,7 +47,7 @@ pub fn run(options: &RunOptions) -> Result<(), Failure> {
     let mut frames = Vec::new();
     let mut closing = Closing::new(setup);
     let mut simulator = Simulator::new(Arc::clone(&compilation.model));
-    let bar = console::bar(Points::of(scene).count, &scene.name);
+    let bar = console::bar(points.count, &escaped(&scene.name));
     let effort = course::follow(scene, name, &mut simulator, |simulator, frame| {
         if let Some(table) = &mut table {
             table.add(contact, frame)?;
@@ -66,26 +73,6 @@ pub fn run(options: &RunOptions) -> Result<(), Failure> {
         run_pictures::draw(folder, scene, contact, &frames)?;
         body_picture::draw(folder, scene, &compilation, &simulator)?;
     }
-    console::say(&closing.table(&compilation.model, &effort))
-}
-
-/// An explicit scheme beyond its stability limit gives numbers that mean nothing.
-fn refuse_unstable(compilation: &Compilation, name: &str, is_forced: bool) -> Result<(), Failure> {
-    let model = &compilation.model;
-    let step = course::internal_step(&Points::of(&compilation.scene), model.largest_step());
-    match model.stability_limit() {
-        Some(limit) if step > limit => {
-            let error = Error::Unstable { step, limit };
-            if is_forced {
-                console::warn(&format!("{name}: {error}"));
-                return Ok(());
-            }
-            Err(Failure::Library {
-                source_name: name.to_owned(),
-                error: Box::new(error),
-                hint: "; --force runs it all the same",
-            })
-        }
-        _ => Ok(()),
-    }
+    let table = closing.table(&compilation.model, &effort);
+    console::say_beside(options.csv.as_deref(), &table)
 }

@@ -1,7 +1,8 @@
-//! Where a scene comes from: a file or an embedded example, with the values the command line replaces.
+//! Where a scene comes from: a file, an embedded example or standard input, with the values the command line replaces.
 
 use crate::arguments::SceneChoice;
 use crate::failure::Failure;
+use crate::standard;
 use std::path::Path;
 use stickslip::Scene;
 
@@ -14,21 +15,46 @@ pub fn embedded(name: &str) -> Result<&'static str, Failure> {
 
 /// The scene of the command line; `more` replaces values after those of `--set`.
 pub fn scene(choice: &SceneChoice, more: &[(String, String)]) -> Result<Scene, Failure> {
-    let name = &choice.scene;
-    let path = Path::new(name);
+    let name = choice.name();
+    let path = Path::new(&choice.scene);
     let read;
     let text = match stickslip::scene::example(name) {
         Some(text) if !path.is_file() => text,
-        None if !path.exists() => return Err(Failure::NoScene { name: name.clone() }),
+        None if !standard::is_meant(path) && !path.exists() => {
+            return Err(Failure::NoScene { name: name.into() });
+        }
         _ => {
-            read = std::fs::read_to_string(path).map_err(|error| Failure::File {
-                path: path.to_owned(),
+            read = text_of(path).map_err(|why| Failure::File {
+                path: name.into(),
                 doing: "read",
-                why: error.to_string(),
+                why,
             })?;
             &read
         }
     };
-    let overrides: Vec<_> = choice.overrides.iter().chain(more).cloned().collect();
+    let forced = choice
+        .force
+        .then(|| ("time.force".to_owned(), "true".to_owned()));
+    let overrides: Vec<_> = choice
+        .overrides
+        .iter()
+        .chain(more)
+        .chain(&forced)
+        .cloned()
+        .collect();
     Scene::with_overrides(text, name, &overrides).map_err(Failure::of(name))
+}
+
+/// The text of a file or of standard input, or why there is none.
+fn text_of(path: &Path) -> Result<String, String> {
+    let bytes = match standard::is_meant(path) {
+        true => standard::read(),
+        false => std::fs::read(path),
+    };
+    let bytes = bytes.map_err(|error| error.to_string())?;
+    if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
+        return Err("its byte-order mark says UTF-16, and a scene is UTF-8".to_owned());
+    }
+    String::from_utf8(bytes)
+        .map_err(|error| format!("a scene is UTF-8 text; {}", error.utf8_error()))
 }

@@ -23,12 +23,13 @@ pub struct Series {
 }
 
 impl Series {
-    /// Creates the folder.
+    /// Creates the folder, and removes the files that an earlier run of a scene of this name has left in it: a shorter run
+    /// would leave some of them among its own.
     pub fn create(folder: &Path, name: &str) -> Result<Series, Failure> {
         let failed = Failure::writing(folder);
         std::fs::create_dir_all(folder).map_err(|e| failed(&e))?;
         // a scene may be called anything, a file may not
-        let stem = name
+        let stem: String = name
             .chars()
             .map(|c| {
                 if c.is_alphanumeric() || "-_".contains(c) {
@@ -38,6 +39,12 @@ impl Series {
                 }
             })
             .collect();
+        for entry in std::fs::read_dir(folder).map_err(|e| failed(&e))? {
+            let entry = entry.map_err(|e| failed(&e))?;
+            if is_of_series(&entry.file_name().to_string_lossy(), &stem) {
+                std::fs::remove_file(entry.path()).map_err(|e| failed(&e))?;
+            }
+        }
         Ok(Series {
             folder: folder.to_owned(),
             stem,
@@ -104,6 +111,16 @@ impl Series {
         let failed = Failure::writing(&path);
         std::fs::write(&path, text).map_err(|e| failed(&e))
     }
+}
+
+/// Whether a file is the index or a communication point of a series.
+fn is_of_series(file: &str, stem: &str) -> bool {
+    let Some(rest) = file.strip_prefix(stem) else {
+        return false;
+    };
+    let number = rest.strip_prefix('_').and_then(|r| r.strip_suffix(".vtk"));
+    let is_number = |n: &str| n.len() >= 5 && n.bytes().all(|b| b.is_ascii_digit());
+    rest == ".vtk.series" || number.is_some_and(is_number)
 }
 
 fn cells(body: &Body) -> Cells {

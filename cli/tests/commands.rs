@@ -67,9 +67,12 @@ fn check_prints_ports_certificate_rates_and_step() {
         "--set",
         "time.step=0.2",
     ]);
-    assert_eq!(unstable.status, 0);
-    assert!(unstable.stdout.contains("UNSTABLE"));
-    assert!(unstable.stderr.contains("warning"));
+    // the table with the limit is shown, but the scene is refused
+    assert_eq!(unstable.status, 1);
+    assert!(
+        unstable.stdout.contains("UNSTABLE") && unstable.stdout.contains("refused for its step")
+    );
+    assert!(unstable.stderr.contains("stability limit"));
 }
 
 #[test]

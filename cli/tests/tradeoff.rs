@@ -1,5 +1,6 @@
 //! `stickslip tradeoff`: the table, the CSV, the Pareto front, the budget; and `fidelity.target_error` in the other commands.
-//! Nothing here depends on how fast the machine is: costs are only compared within one CSV.
+//! Nothing here depends on how fast the machine is: what is measured is counted in work, and costs are only compared within one
+//! CSV.
 
 mod common;
 
@@ -48,8 +49,8 @@ fn rows(shell: &Shell, name: &str) -> Vec<Row> {
 fn the_table_the_csv_and_the_picture_tell_what_was_measured() {
     let shell = Shell::new();
     let options = [
-        "--budget",
-        "10",
+        "--work",
+        "1e9",
         "--csv",
         "made/here.csv",
         "--plots",
@@ -174,7 +175,7 @@ fn front_is_one(rows: &[Row]) {
 #[test]
 fn the_settings_of_the_sentences_can_be_pasted() {
     let shell = Shell::new();
-    let printed = shell.succeed(&[&SMALL[..], &["--budget", "2"]].concat());
+    let printed = shell.succeed(&[&SMALL[..], &["--work", "1e8"]].concat());
     let sentence = printed
         .lines()
         .find(|line| line.starts_with("for 10 % in slip rate use --set"))
@@ -187,6 +188,20 @@ fn the_settings_of_the_sentences_can_be_pasted() {
         .collect();
     let table = shell.succeed(&[&["run"], &SMALL[1..], &words].concat());
     assert!(table.contains("contact nodes"));
+}
+
+/// Work is counted, not timed: the same settings are measured again.
+#[test]
+fn a_budget_of_work_measures_the_same_settings_on_every_machine() {
+    let shell = Shell::new();
+    let settings = |work: &str, file: &str| -> Vec<String> {
+        shell.succeed(&[&SMALL[..], &["--work", work, "--csv", file]].concat());
+        let settings = rows(&shell, file);
+        settings.iter().map(|r| r.text("set").to_owned()).collect()
+    };
+    let (once, again) = (settings("1e7", "a.csv"), settings("1e7", "b.csv"));
+    assert_eq!(once, again);
+    assert!(once.len() < settings("1e8", "c.csv").len());
 }
 
 #[test]
@@ -231,9 +246,13 @@ fn mistakes_are_told_as_by_the_other_commands() {
     let shell = Shell::new();
     assert_eq!(shell.run(&["tradeoff"]).status, 2);
     for budget in ["-1", "soon", "inf"] {
-        let arguments = [&SMALL[..], &["--budget", budget]].concat();
-        assert_eq!(shell.run(&arguments).status, 2, "{budget}");
+        for option in ["--budget", "--work"] {
+            let arguments = [&SMALL[..], &[option, budget]].concat();
+            assert_eq!(shell.run(&arguments).status, 2, "{option} {budget}");
+        }
     }
+    let both = [&SMALL[..], &["--budget", "1", "--work", "1e8"]].concat();
+    assert_eq!(shell.run(&both).status, 2);
     let line = shell.fail(&["tradeoff", "nowhere.json"]);
     assert!(line.contains("nowhere.json"));
     let line = shell.fail(&["tradeoff", "seal", "--set", "contact.friction.bound=-1"]);

@@ -17,7 +17,6 @@ from fmpy.fmi2 import FMU2Slave
 from fmpy.fmi3 import FMU3Slave
 from master import ROOT, arguments, command
 
-STEPS = 2000
 H = 1 / 256  # below the internal step: one internal step a call
 OUTPUTS = ("tangential_stress", "slip_rate", "slip", "accumulated_slip", "stick")
 
@@ -57,18 +56,18 @@ def slave_of(fmu):
     return two, slave, [v.valueReference for v in variables], count, folder
 
 
-def through_fmpy(fmu):
+def through_fmpy(fmu, steps):
     """Seconds per step and read of all contact values."""
     two, slave, references, count, _ = slave_of(fmu)
     read = (lambda: slave.getReal(references)) if two else (lambda: slave.getFloat64(references, nValues=count))
     start = time.perf_counter()
-    for i in range(STEPS):
+    for i in range(steps):
         slave.doStep(currentCommunicationPoint=i * H, communicationStepSize=H)
         read()
-    return (time.perf_counter() - start) / STEPS, count
+    return (time.perf_counter() - start) / steps, count
 
 
-def bare(fmu):
+def bare(fmu, steps):
     """Seconds per step of the C function."""
     two, slave, *_, folder = slave_of(fmu)
     library = CDLL(str(next((Path(folder) / "binaries").rglob("*.so"))))
@@ -83,13 +82,13 @@ def bare(fmu):
         function.argtypes = [c_void_p, c_double, c_double, c_int] + [c_void_p] * 4
         more = (1, *out)
     start = time.perf_counter()
-    for i in range(STEPS):
+    for i in range(steps):
         function(instance, i * H, H, *more)
-    return (time.perf_counter() - start) / STEPS
+    return (time.perf_counter() - start) / steps
 
 
 def main():
-    arguments(__doc__)
+    steps = arguments(__doc__, ("--steps", {"type": int, "default": 2000, "help": "steps of a round"})).steps
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         print("FMI values  FMPy floor  with the pad  step itself  (total - step) / floor      us per step")
@@ -99,8 +98,8 @@ def main():
             nothing = idle(fmu, folder)
             # the least of several rounds: what disturbs only adds
             floor, total, step = (min(f() for _ in range(5)) for f in (
-                lambda: through_fmpy(nothing)[0], lambda: through_fmpy(fmu)[0], lambda: bare(fmu) - bare(nothing)))  # fmt: skip
-            count = through_fmpy(fmu)[1]
+                lambda: through_fmpy(nothing, steps)[0], lambda: through_fmpy(fmu, steps)[0], lambda: bare(fmu, steps) - bare(nothing, steps)))  # fmt: skip
+            count = through_fmpy(fmu, steps)[1]
             us = [1e6 * t for t in (floor, total, step)]
             print(f"{version:>3} {count:6}  {us[0]:10.2f}  {us[1]:12.2f}  {us[2]:11.2f}  {(us[1] - us[2]) / us[0]:22.2f}")
 

@@ -1,6 +1,7 @@
 """What the loops share: one FMU instance through FMPy's low-level interface, FMI 3, and where files go."""
 
 import argparse
+import functools
 import os
 import shutil
 import subprocess
@@ -35,7 +36,10 @@ def arguments(description, *more):
 
 
 class Pad:
-    """One instance. Values are set and read by the names of the model description."""
+    """One instance. Values are set and read by the names of the model description.
+
+    These masters know the load at the end of a step, or look for it by repeating the step: inputs mean that one.
+    """
 
     def __init__(self, fmu, parameters=None, **inputs):
         self.description = fmpy.read_model_description(fmu)
@@ -48,10 +52,24 @@ class Pad:
             instanceName="pad",
         )
         self.slave.instantiate()
-        for key, value in {**(parameters or {}), **inputs}.items():
+        self.start({**(parameters or {}), **inputs})
+
+    def start(self, values):
+        self.choose("time.inputs", "end_of_step")
+        for key, value in values.items():
             self.set(key, value)
         self.slave.enterInitializationMode(startTime=0.0)
         self.slave.exitInitializationMode()
+
+    def restart(self, **values):
+        """Starts over with these values and those of a fresh instance."""
+        self.slave.reset()
+        self.start(values)
+
+    def choose(self, name, word):
+        """Sets an enumeration."""
+        items = {item.name: int(item.value) for item in self.variables[name].declaredType.items}
+        self.slave.setInt64([self.reference(name)], [items[word]])
 
     def reference(self, name):
         return self.variables[name].valueReference
@@ -88,6 +106,14 @@ class Pad:
         self.slave.terminate()
         self.slave.freeInstance()
         shutil.rmtree(self.folder)
+
+
+@functools.cache
+def shared(fmu):
+    """The one instance of this process; its folder is not needed any more once the library is loaded."""
+    pad = Pad(fmu)
+    shutil.rmtree(pad.folder, ignore_errors=True)
+    return pad
 
 
 def check(what, passed):

@@ -1,7 +1,8 @@
 """A sweep over friction parameters with a progress bar, in parallel processes or on a Dask cluster.
 
 `python sweep.py` uses the processors of this machine; `python sweep.py --dask tcp://scheduler:8786` the workers of a
-cluster, which (like its scheduler) needs FMPy, and sees the FMU under the same path. Checked: more friction slips less and sticks
+cluster, which (like its scheduler) needs FMPy, and sees the FMU under the same path. Every process unpacks the FMU and makes its
+instance once, and resets it for each point. Checked: more friction slips less and sticks
 more; a point computed here again equals the one from the pool bit for bit.
 """
 
@@ -10,7 +11,7 @@ import sys
 from concurrent.futures import ProcessPoolExecutor, as_completed
 
 import master
-from master import Pad, arguments, check, figure, save
+from master import arguments, check, figure, save
 
 BOUNDS = [0.0005 * i for i in range(1, 13)]  # kinetic bound b, Pa
 RATIOS = (1.0, 1.5, 3.0)  # a / b
@@ -19,17 +20,11 @@ STEPS, H = 32, 1 / 32
 
 def point(fmu, b, ratio):
     """Largest accumulated slip, frictional dissipation and final stick share for one friction law."""
-    a = b * ratio
-    # the FMU refuses a < b at any moment: raise a first, or lower b first
-    order = [("a", a), ("b", b)] if a >= 0.003 else [("b", min(b, 0.001)), ("a", a), ("b", b)]
-    pad = Pad(fmu)
-    for name, value in order:
-        pad.set(f"contact.friction.{name}", value)
+    pad = master.shared(fmu)
+    pad.restart(**{"contact.friction.a": b * ratio, "contact.friction.b": b})
     for i in range(STEPS):
         pad.step(i * H, H)
-    result = max(pad.get("contact.accumulated_slip")), pad.get("energy.friction_dissipation"), pad.get("contact.stick_fraction")
-    pad.close()
-    return result
+    return max(pad.get("contact.accumulated_slip")), pad.get("energy.friction_dissipation"), pad.get("contact.stick_fraction")
 
 
 def bar(done, total):
@@ -42,12 +37,11 @@ def bar(done, total):
 def sweep(fmu, dask):
     jobs = [(b, ratio) for ratio in RATIOS for b in BOUNDS]
     if dask:
-        import cloudpickle
         from dask.distributed import Client
         from dask.distributed import as_completed as completed
 
-        cloudpickle.register_pickle_by_value(master)  # the cluster has no copy of this folder
         pool = Client(dask)
+        pool.upload_file(master.__file__)  # the cluster has no copy of this folder
     else:
         pool, completed = ProcessPoolExecutor(max_workers=os.cpu_count()), as_completed
     results = {}

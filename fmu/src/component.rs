@@ -20,7 +20,7 @@ pub struct Component {
     scene_text: String,
     pub model: Arc<Model>,
     pub variables: Variables,
-    /// Values of the fixed parameters.
+    /// Values of the fixed parameters that it was compiled with; what inputs mean belongs to each instance.
     pub parameters: Vec<f64>,
     /// Values of the fixed parameters of the FMU.
     origin: Vec<f64>,

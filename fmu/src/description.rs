@@ -7,10 +7,11 @@ mod version3;
 use crate::component::token;
 use crate::log::Category;
 use crate::parameters;
-use crate::variables::{Role, Variables};
+use crate::variables::{Follows, Role, Variable, Variables};
 use crate::xml::Xml;
 use std::sync::Arc;
-use stickslip::{Model, Simulator};
+use stickslip::course::Points;
+use stickslip::{Model, Scene, Simulator};
 
 /// Name of the shared library, without prefix and suffix.
 pub const MODEL_IDENTIFIER: &str = "stickslip_fmu";
@@ -37,7 +38,8 @@ const JOULE: (&str, i32, i32, i32) = ("J", 1, 2, -2);
 
 /// What a description is written from.
 struct Source<'a> {
-    model: &'a Model,
+    /// With its own run.
+    scene: &'a Scene,
     variables: Variables,
     /// Values of a fresh instance.
     start: Vec<f64>,
@@ -50,11 +52,6 @@ struct Source<'a> {
 impl Source<'_> {
     fn start_of(&self, place: usize) -> String {
         format!("{:?}", self.start[place])
-    }
-
-    fn step(&self) -> f64 {
-        let scene = self.model.scene();
-        scene.run.step.unwrap_or(scene.time.step)
     }
 }
 
@@ -71,10 +68,11 @@ pub fn start_values(model: &Arc<Model>, variables: &Variables) -> stickslip::Res
     Ok(start)
 }
 
-/// The model description of an FMU of this model; `scene_text` is the scene it carries, `date` an ISO 8601 time.
+/// The model description of an FMU of this model; `scene` is what it was compiled from, with its run, which becomes the default
+/// experiment; `date` is an ISO 8601 time.
 pub fn model_description(
     model: &Arc<Model>,
-    scene_text: &str,
+    scene: &Scene,
     version: FmiVersion,
     is_scalar: bool,
     date: &str,
@@ -82,10 +80,10 @@ pub fn model_description(
     let variables = Variables::new(model);
     let start = start_values(model, &variables)?;
     let source = Source {
-        model,
+        scene,
         variables,
         start,
-        token: token(scene_text),
+        token: token(&scene.to_json()),
         date,
         is_scalar,
     };
@@ -127,18 +125,37 @@ fn write_log_categories(xml: &mut Xml) {
 }
 
 fn write_default_experiment(xml: &mut Xml, source: &Source) {
-    let (stop, step) = (
-        format!("{:?}", source.model.scene().run.until),
-        format!("{:?}", source.step()),
-    );
-    xml.empty(
-        "DefaultExperiment",
-        &[
-            ("startTime", "0.0"),
-            ("stopTime", &stop),
-            ("stepSize", &step),
-        ],
-    );
+    let points = Points::of(source.scene);
+    let number = |value: f64| format!("{value:?}");
+    let (start, stop) = (number(points.at(0)), number(points.until));
+    let tolerance = source.scene.time.tolerance.map(number);
+    let step = number(points.step);
+    let mut attributes = vec![("startTime", start.as_str()), ("stopTime", &stop)];
+    attributes.extend(tolerance.iter().map(|value| ("tolerance", value.as_str())));
+    attributes.push(("stepSize", &step));
+    xml.empty("DefaultExperiment", &attributes);
+}
+
+/// When dependencies are declared for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum When {
+    /// At communication points.
+    Stepping,
+    /// At the end of the initialization.
+    Start,
+}
+
+/// Whether an output depends on another variable at the same instant.
+fn depends(output: &Variable, on: &Variable, when: When) -> bool {
+    let follows = match when {
+        When::Stepping => output.follows != Follows::Nothing,
+        When::Start => output.follows == Follows::Loads,
+    };
+    let matters = match when {
+        When::Stepping => on.role == Role::Input,
+        When::Start => Variables::decides_start(on),
+    };
+    follows && matters
 }
 
 /// `dependent` as often as there are dependencies.

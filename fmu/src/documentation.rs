@@ -183,17 +183,21 @@ fn scene_table(model: &Model) -> String {
 }
 
 const USE: &str = "<h2>Use</h2>\n<ul>\
-<li>Inputs are the load intensities at the end of the next step; within the step they go linearly from the last value \
-(or jump at its beginning, for loads declared with <code>hold</code>). With FMI 2 input derivatives a step ends with the value that \
-was set plus the derivative times the step.</li>\
+<li>An input that is set before a step is the load at its beginning. Within the step it goes on with the slope of the last \
+steps (and is held after a jump), or, with <code>time.inputs</code> = hold and for loads declared with <code>hold</code>, stays as it is; \
+with FMI 2 input derivatives it is the value that was set plus the derivative times the time since the beginning of the step. \
+With <code>time.inputs</code> = end_of_step it is the load at the end of the step, for importers that know that or iterate.</li>\
 <li>A step of any positive size is cut into internal steps no larger than <code>time.step</code>: equal ones, or, when \
 <code>time.tolerance</code> is not 0, as small as that asks for.</li>\
 <li>States can be saved, restored and serialized at any time; a restored run continues bit for bit, in another process too.</li>\
-<li>Directional (and in FMI 3 adjoint) derivatives are those of the outputs at the end of the last step by the inputs at its end. \
-Where a contact node changes between stick and slip it is the derivative of the branch on which the step ended.</li>\
-<li>Output derivatives of order 1 are known exactly for displacements and slips, and refused for other outputs.</li>\
-<li>Fixed parameters may change until the initialization ends; the scene that the FMU carries is then compiled anew. \
-Friction coefficients may change between steps; set them in an order that keeps a at least b.</li>\
+<li>Directional (and in FMI 3 adjoint) derivatives are those of the outputs at the end of the last step by its inputs, whatever \
+they mean. Where a contact node changes between stick and slip it is the derivative of the branch on which the step ended. Without a \
+last step (in initialization mode, before the first step, after a restored state) they are those of the outputs by the loads of \
+the same instant.</li>\
+<li>Output derivatives of order 1 are exact for displacements and slips, and 0 (not known) for other outputs.</li>\
+<li>Fixed parameters may change until the initialization ends; the scene that the FMU carries is then compiled anew (not for \
+<code>time.inputs</code>). Friction coefficients may change between steps, in any order: they are checked as a set by the next step.</li>\
+<li>A stop time that the importer defines is kept: a step past it is an error.</li>\
 <li>A step whose friction does not converge leaves the state as it was (FMI 3: Discard; FMI 2: Error); try a smaller one.</li>\
 </ul>\n";
 

@@ -15,6 +15,7 @@ mod values;
 
 use crate::fault::{Fault, Outcome};
 use crate::guard::{self, ERROR, call, text, uri_path};
+use crate::lifecycle::Experiment;
 use crate::log::{Category, Log};
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 
@@ -145,13 +146,18 @@ pub unsafe extern "C" fn fmi2FreeInstance(component: Component) {
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2SetupExperiment(
     component: Component,
-    _tolerance_defined: c_int,
-    _tolerance: f64,
+    tolerance_defined: c_int,
+    tolerance: f64,
     start_time: f64,
-    _stop_time_defined: c_int,
-    _stop_time: f64,
+    stop_time_defined: c_int,
+    stop_time: f64,
 ) -> c_int {
-    run(component, |instance| instance.setup(start_time))
+    let experiment = Experiment {
+        start_time,
+        stop_time: (stop_time_defined != 0).then_some(stop_time),
+        tolerance: (tolerance_defined != 0).then_some(tolerance),
+    };
+    run(component, |instance| instance.setup(experiment))
 }
 
 #[unsafe(no_mangle)]

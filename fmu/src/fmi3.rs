@@ -15,6 +15,7 @@ mod values;
 
 use crate::fault::{Fault, Outcome};
 use crate::guard::{self, DISCARD, call, native_path, text, write};
+use crate::lifecycle::Experiment;
 use crate::log::{Category, Log};
 use std::ffi::{CString, c_char, c_int, c_void};
 
@@ -124,14 +125,19 @@ pub unsafe extern "C" fn fmi3FreeInstance(instance: Instance) {
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3EnterInitializationMode(
     instance: Instance,
-    _tolerance_defined: Boolean,
-    _tolerance: f64,
+    tolerance_defined: Boolean,
+    tolerance: f64,
     start_time: f64,
-    _stop_time_defined: Boolean,
-    _stop_time: f64,
+    stop_time_defined: Boolean,
+    stop_time: f64,
 ) -> c_int {
+    let experiment = Experiment {
+        start_time,
+        stop_time: (stop_time_defined != 0).then_some(stop_time),
+        tolerance: (tolerance_defined != 0).then_some(tolerance),
+    };
     run(instance, |instance| {
-        instance.enter_initialization(Some(start_time))
+        instance.enter_initialization(Some(experiment))
     })
 }
 

@@ -2,7 +2,8 @@
 //! [`resources`], saved states in [`states`].
 //!
 //! An instance is looked up among the live ones before it is touched, and is taken by one call at a time. A panic is caught
-//! here: it poisons the instance, which can then only be freed, and never reaches the importer.
+//! here: it poisons the instance, which can then only be freed, and never reaches the importer. Every call computes in the
+//! default floating-point environment, whatever the importer traps; afterwards the importer has its own again.
 #![allow(unsafe_code)]
 
 mod pointers;
@@ -22,6 +23,7 @@ use std::ffi::{CStr, c_char, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
+use stickslip::float_environment::DefaultEnvironment;
 
 /// Status values, the same in FMI 2 and FMI 3.
 pub const OK: i32 = 0;
@@ -42,6 +44,7 @@ pub fn create(
     refusal: Option<&str>,
     log: Log,
 ) -> *mut c_void {
+    let _environment = DefaultEnvironment::enter();
     let log = std::cell::Cell::new(Some(log));
     let make = || -> Outcome<*mut c_void> {
         if let Some(refusal) = refusal {
@@ -84,6 +87,7 @@ pub fn create(
 /// Frees an instance; NULL, pointers that are none and an instance in the middle of a call (its own logger, or another thread)
 /// are left alone.
 pub fn free(pointer: *mut c_void) {
+    let _environment = DefaultEnvironment::enter();
     let _ = catch_unwind(|| {
         if pointer.is_null() || !registry::leave(pointer as usize) {
             return;
@@ -102,6 +106,7 @@ pub fn free(pointer: *mut c_void) {
 
 /// Runs a call on an instance and logs its refusal; the status, where `discard` is what a discard is called.
 pub fn call(pointer: *mut c_void, discard: i32, run: impl FnOnce(&mut Instance) -> Outcome) -> i32 {
+    let _environment = DefaultEnvironment::enter();
     if pointer.is_null() || !registry::is_live(pointer as usize) {
         return ERROR;
     }

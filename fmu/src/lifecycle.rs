@@ -82,10 +82,23 @@ const ALLOWED: [(Call, [bool; 4]); 15] = {
         (Call::SetFixed, [Y, Y, N, N]),
         (Call::SetSlope, [Y, Y, Y, N]),
         (Call::GetSlope, [N, N, Y, Y]),
-        (Call::Derivative, [N, N, Y, Y]),
+        (Call::Derivative, [N, Y, Y, Y]),
         (Call::States, [Y, Y, Y, Y]),
     ]
 };
+
+/// Share of a step by which it may end after the stop time.
+const PAST_STOP: f64 = 1e-3;
+
+/// What the importer says about its simulation.
+#[derive(Debug, Clone, Copy)]
+pub struct Experiment {
+    pub start_time: f64,
+    /// Time that no step goes past.
+    pub stop_time: Option<f64>,
+    /// Relative tolerance, for scenes with `time.tolerance`.
+    pub tolerance: Option<f64>,
+}
 
 /// One instance of the FMU.
 pub struct Instance {
@@ -97,9 +110,9 @@ pub struct Instance {
     simulator: Simulator,
     phase: Phase,
     start_time: f64,
+    /// Time beyond which the importer promised not to step.
+    stop_time: Option<f64>,
     parameters: Vec<f64>,
-    /// Slopes of the inputs, per second.
-    slopes: Vec<f64>,
     /// All values, in the order of the variables.
     values: Vec<f64>,
     are_values_fresh: bool,
@@ -115,8 +128,8 @@ impl Instance {
             log,
             phase: Phase::Instantiated,
             start_time: 0.0,
+            stop_time: None,
             parameters: component.parameters.clone(),
-            slopes: vec![0.0; component.model.input_count()],
             values: vec![0.0; component.variables.len()],
             are_values_fresh: false,
             saved: Vec::new(),
@@ -148,28 +161,56 @@ impl Instance {
         }
     }
 
-    /// FMI 2 states the start time apart from the initialization.
-    pub fn setup(&mut self, start_time: f64) -> Outcome {
+    /// FMI 2 states the experiment apart from the initialization.
+    pub fn setup(&mut self, experiment: Experiment) -> Outcome {
         self.permit(Call::SetupExperiment)?;
-        self.set_start(start_time)
+        self.take_up(experiment)
     }
 
-    fn set_start(&mut self, start_time: f64) -> Outcome {
-        if !start_time.is_finite() {
+    fn take_up(&mut self, experiment: Experiment) -> Outcome {
+        let Experiment {
+            start_time: start,
+            stop_time: stop,
+            tolerance,
+        } = experiment;
+        if !start.is_finite() {
             return Err(Fault::error(format!(
-                "start time {start_time}: expected a finite number"
+                "start time {start}: expected a finite number"
             )));
         }
-        self.start_time = start_time;
+        if let Some(stop) = stop.filter(|stop| !(stop.is_finite() && *stop >= start)) {
+            return Err(Fault::error(format!(
+                "stop time {stop}: expected a finite number that is not before the start time {start}"
+            )));
+        }
+        if let Some(place) = parameters::place("time.tolerance")
+            && let Some(tolerance) = tolerance
+            && self.parameters[place] != 0.0
+        {
+            if !(tolerance.is_finite() && tolerance > 0.0) {
+                return Err(Fault::error(format!(
+                    "tolerance {tolerance}: expected a finite positive number"
+                )));
+            }
+            self.parameters[place] = tolerance;
+        }
+        self.start_time = start;
+        self.stop_time = stop;
         self.are_values_fresh = false;
         Ok(())
     }
 
-    pub fn enter_initialization(&mut self, start_time: Option<f64>) -> Outcome {
+    /// Enters initialization mode; FMI 3 states the experiment with it.
+    pub fn enter_initialization(&mut self, experiment: Option<Experiment>) -> Outcome {
         self.permit(Call::EnterInitialization)?;
-        let before = self.start_time;
-        self.set_start(start_time.unwrap_or(before))?;
-        self.compile().inspect_err(|_| self.start_time = before)?;
+        let before = (self.start_time, self.stop_time, self.parameters.clone());
+        if let Some(experiment) = experiment {
+            self.take_up(experiment)?;
+        }
+        if let Err(fault) = self.compile() {
+            (self.start_time, self.stop_time, self.parameters) = before;
+            return Err(fault);
+        }
         self.phase = Phase::Initialization;
         Ok(())
     }
@@ -185,7 +226,7 @@ impl Instance {
 
     /// Takes up fixed parameters that were set.
     fn compile(&mut self) -> Outcome {
-        if self.parameters != self.component.parameters {
+        if parameters::is_other_model(&self.parameters, &self.component.parameters) {
             let component = self.component_of(&self.parameters)?;
             let names: Vec<_> = parameters::overrides(&self.component.parameters, &self.parameters)
                 .into_iter()
@@ -198,11 +239,12 @@ impl Instance {
             );
             self.adopt(component)?;
         }
-        Ok(())
+        let meaning = parameters::inputs_meaning(&self.parameters);
+        Ok(self.simulator.set_inputs_meaning(meaning)?)
     }
 
     fn component_of(&self, parameters: &[f64]) -> Outcome<Arc<Component>> {
-        if parameters == self.packed.parameters {
+        if !parameters::is_other_model(parameters, &self.packed.parameters) {
             Ok(Arc::clone(&self.packed))
         } else {
             self.packed.with_parameters(parameters)
@@ -217,6 +259,9 @@ impl Instance {
                 let mut value = [0.0];
                 self.simulator.get(port, &mut value)?;
                 simulator.set(port, value[0])?;
+                if let Some(slope) = self.simulator.input_slope(port) {
+                    simulator.set_input_slope(port, Some(slope))?;
+                }
             }
         }
         self.simulator = simulator;
@@ -227,34 +272,19 @@ impl Instance {
 
     pub fn do_step(&mut self, time: f64, step: f64) -> Outcome {
         self.permit(Call::DoStep)?;
-        let before: Option<Vec<f64>> = self.slopes.iter().any(|s| *s != 0.0).then(|| self.inputs());
-        if let Some(before) = &before {
-            let pairs = before.iter().zip(&self.slopes);
-            let ends: Vec<f64> = pairs.map(|(value, slope)| value + step * slope).collect();
-            self.simulator.set_inputs(&ends)?;
+        if let Some(stop) = self.stop_time {
+            // rounding that masters accumulate over many steps is none of the pad's business
+            let slack = PAST_STOP * step + 64.0 * f64::EPSILON * stop.abs();
+            if time + step > stop + slack {
+                return Err(Fault::error(format!(
+                    "a step from {time} to {} goes past the stop time {stop} of the experiment",
+                    time + step
+                )));
+            }
         }
-        let outcome = self.simulator.do_step(time, step);
-        if let (Err(_), Some(before)) = (&outcome, &before) {
-            self.simulator.set_inputs(before)?;
-        }
-        outcome?;
+        self.simulator.do_step(time, step)?;
         self.are_values_fresh = false;
         Ok(())
-    }
-
-    fn inputs(&self) -> Vec<f64> {
-        let variables = self.component.variables.all().iter();
-        let inputs = variables
-            .filter(|v| v.role == Role::Input)
-            .filter_map(|v| v.port);
-        inputs
-            .map(|port| {
-                let mut value = [0.0];
-                self.simulator
-                    .get(port, &mut value)
-                    .map_or(0.0, |()| value[0])
-            })
-            .collect()
     }
 
     pub fn terminate(&mut self) -> Outcome {
@@ -268,8 +298,8 @@ impl Instance {
         self.component = Arc::clone(&self.packed);
         self.simulator = Simulator::new(Arc::clone(&self.component.model));
         self.parameters.clone_from(&self.packed.parameters);
-        self.slopes.fill(0.0);
         self.start_time = 0.0;
+        self.stop_time = None;
         self.phase = Phase::Instantiated;
         self.are_values_fresh = false;
         Ok(())

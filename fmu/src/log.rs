@@ -1,4 +1,4 @@
-//! Messages to the importer: few categories, and silence unless it asked for them.
+//! Messages to the importer: few categories. Errors are always told; of the others there is silence unless it asked for them.
 
 use crate::fault::{Fault, Outcome};
 use std::ffi::CStr;
@@ -25,7 +25,7 @@ impl Category {
 
     pub fn description(self) -> &'static str {
         match self {
-            Category::Error => "A call that was refused, with the reason.",
+            Category::Error => "A call that was refused, with the reason; always logged.",
             Category::Discard => "Values or a step that were discarded; others may succeed.",
             Category::Event => "Compilation of the scene with changed parameters.",
         }
@@ -75,12 +75,12 @@ impl Log {
     }
 
     pub fn write(&self, status: i32, category: Category, message: &str) {
-        if self.is_on[category as usize] {
+        if category == Category::Error || self.is_on[category as usize] {
             (self.sink)(status, category, message);
         }
     }
 
-    /// Writes although logging may be off: for an instance that does not come to be, there is no other way to say why.
+    /// Writes an error of an instance that does not come to be.
     pub fn write_always(&self, status: i32, message: &str) {
         (self.sink)(status, Category::Error, message);
     }

@@ -7,13 +7,23 @@ use crate::description::{
 use crate::documentation::{LibraryNotes, page};
 use crate::reference_run::{ReferenceRun, reference_run};
 use crate::variables::Variables;
+use crate::xml::Xml;
 use std::fmt;
 use std::io::{Cursor, Write};
 use std::path::{Path, PathBuf};
-use std::time::{SystemTime, UNIX_EPOCH};
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use stickslip::{Compilation, Scene};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
+
+const REFERENCE_IN: &str = "reference_in.csv";
+const REFERENCE_OUT: &str = "reference_out.csv";
+/// Where both versions of FMI have the licence of an FMU, and of what is in it.
+const LICENSES: &str = "documentation/licenses";
+const LICENSE: &str = include_str!("../../LICENSE");
+const THIRD_PARTY_NOTICES: &str = include_str!("../../THIRD-PARTY-NOTICES.txt");
+/// Variable of the environment with the time (s since 1970) that a reproducible package is dated with.
+const EPOCH: &str = "SOURCE_DATE_EPOCH";
 
 /// How an FMU is packed.
 #[derive(Debug, Clone)]
@@ -59,6 +69,8 @@ pub enum PackageError {
     NoLibrary(Vec<PathBuf>),
     /// The shared library is a build for tests, which panics on request.
     TestLibrary(PathBuf),
+    /// `SOURCE_DATE_EPOCH` is set, but not to a number of seconds.
+    Date(String),
     /// A file cannot be read, or the archive not be written.
     Io(PathBuf, std::io::Error),
 }
@@ -79,6 +91,10 @@ impl fmt::Display for PackageError {
                 f,
                 "{} was built for tests, with the feature panic-injection (cargo build --release makes the library to pack)",
                 path.display()
+            ),
+            PackageError::Date(found) => write!(
+                f,
+                "{EPOCH}: found {found:?}, expected a number of seconds since 1970"
             ),
             PackageError::Io(path, error) => write!(f, "{}: {error}", path.display()),
         }
@@ -171,7 +187,8 @@ fn is_test_library(library: &[u8]) -> bool {
 }
 
 /// Packs the FMU of a scene text. It contains: the shared library, the compiled model and the scene (in `resources/`), the
-/// model description, for FMI 3 the terminals, a documentation page, and the results of the scene's own run.
+/// model description, for FMI 3 the terminals, a documentation page, the licences, and the results of the scene's own run. The
+/// same scene and library give the same bytes where `SOURCE_DATE_EPOCH` says what date to write.
 ///
 /// # Errors
 /// [`PackageError`].
@@ -188,14 +205,9 @@ pub fn package(scene_text: &str, options: &Options) -> Result<Packed, PackageErr
     let glibc = newest_glibc(&binary);
     let (version, is_scalar) = (options.version, options.is_scalar);
 
-    let description = model_description(
-        model,
-        &text,
-        version,
-        is_scalar,
-        &iso_time(SystemTime::now()),
-    )?;
-    let run = reference_run(model)?;
+    let date = iso_time(date_of_packing()?);
+    let description = model_description(model, &compilation.scene, version, is_scalar, &date)?;
+    let run = reference_run(&compilation.scene, model)?;
     let notes = LibraryNotes {
         glibc: glibc.clone(),
     };
@@ -210,6 +222,11 @@ pub fn package(scene_text: &str, options: &Options) -> Result<Packed, PackageErr
         (format!("resources/{SCENE_FILE}"), text.into()),
         (format!("resources/{MODEL_FILE}"), model.to_bytes()),
         ("documentation/index.html".into(), documentation.into()),
+        (format!("{LICENSES}/license.txt"), LICENSE.into()),
+        (
+            format!("{LICENSES}/THIRD-PARTY-NOTICES.txt"),
+            THIRD_PARTY_NOTICES.into(),
+        ),
     ];
     if version == FmiVersion::Fmi3 {
         let name = "terminalsAndIcons/terminalsAndIcons.xml";
@@ -231,18 +248,44 @@ fn binary_name() -> String {
 
 fn reference_files(run: ReferenceRun) -> Vec<(String, Vec<u8>)> {
     let folder = "extra/org.fmi-standard.fmi-ls-ref";
-    let manifest = format!(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiLayeredStandardManifest \
-         xmlns:fmi-ls=\"http://fmi-standard.org/fmi-ls-manifest\" fmi-ls:fmi-ls-name=\"org.fmi-standard.fmi-ls-ref\" \
-         fmi-ls:fmi-ls-version=\"0.1.0\" fmi-ls:fmi-ls-description=\"Run of the scene on its own signals: communication \
-         step {:?}, until {:?}; inputs of a row hold at its time and are set before the step that ends there.\"/>\n",
-        run.step, run.until
+    let mut xml = Xml::new();
+    xml.open(
+        "fmiReferences",
+        &[
+            ("xmlns:fmi-ls", "http://fmi-standard.org/fmi-ls-manifest"),
+            ("fmi-ls:fmi-ls-name", "org.fmi-standard.fmi-ls-ref"),
+            ("fmi-ls:fmi-ls-version", "1.0.0-alpha.1"),
+            (
+                "fmi-ls:fmi-ls-description",
+                "Input and output of the default experiment.",
+            ),
+        ],
     );
+    let stimuli = format!(
+        "Input of the default experiment up to {:?} s, communication step {:?} s: a row is set before the step that {} there.",
+        run.until,
+        run.step,
+        if run.is_set_at_end { "ends" } else { "begins" }
+    );
+    for (source, role, description) in [
+        (REFERENCE_IN, "stimulus", stimuli.as_str()),
+        (REFERENCE_OUT, "result", "Output of the default experiment"),
+    ] {
+        xml.empty(
+            "Related",
+            &[
+                ("type", "text/csv"),
+                ("source", source),
+                ("role", role),
+                ("description", description),
+            ],
+        );
+    }
     let file = |name: &str, text: String| (format!("{folder}/{name}"), text.into_bytes());
     vec![
-        file("fmi-ls-manifest.xml", manifest),
-        file("reference_in.csv", run.inputs),
-        file("reference_out.csv", run.outputs),
+        file("fmi-ls-manifest.xml", xml.finish()),
+        file(REFERENCE_IN, run.inputs),
+        file(REFERENCE_OUT, run.outputs),
     ]
 }
 
@@ -257,11 +300,27 @@ fn archive(files: &[(String, Vec<u8>)]) -> zip::result::ZipResult<Vec<u8>> {
         };
         let options = SimpleFileOptions::default()
             .compression_method(CompressionMethod::Deflated)
+            .last_modified_time(zip::DateTime::default())
             .unix_permissions(mode);
         zip.start_file(name.as_str(), options)?;
         zip.write_all(bytes)?;
     }
     Ok(zip.finish()?.into_inner())
+}
+
+/// The date that the model description states.
+///
+/// # Errors
+/// [`PackageError::Date`].
+fn date_of_packing() -> Result<SystemTime, PackageError> {
+    let Some(text) = std::env::var_os(EPOCH) else {
+        return Ok(SystemTime::now());
+    };
+    let text = text.to_string_lossy();
+    let seconds = text.parse().ok().map(Duration::from_secs);
+    seconds
+        .and_then(|seconds| UNIX_EPOCH.checked_add(seconds))
+        .ok_or_else(|| PackageError::Date(text.into_owned()))
 }
 
 /// ISO 8601 in UTC, to the second.
@@ -290,7 +349,6 @@ fn iso_time(time: SystemTime) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::time::Duration;
 
     #[test]
     fn times_are_civil() {

@@ -3,6 +3,7 @@
 
 use serde_json::Value;
 use stickslip::Scene;
+use stickslip::scene::Inputs;
 
 /// What values a parameter takes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -20,6 +21,8 @@ pub enum Kind {
 pub struct Parameter {
     pub path: &'static str,
     pub kind: Kind,
+    /// Value where the scene has none.
+    absent: f64,
     pub description: &'static str,
 }
 
@@ -31,7 +34,7 @@ pub struct Choices {
 }
 
 /// Enumeration types, in the words of the scene.
-pub const CHOICES: [Choices; 4] = [
+pub const CHOICES: [Choices; 5] = [
     Choices {
         name: "Scheme",
         words: &["trapezoid", "rectangle", "backward_euler", "tr_bdf2"],
@@ -53,18 +56,34 @@ pub const CHOICES: [Choices; 4] = [
             "three_dimensional",
         ],
     },
+    Choices {
+        name: "Inputs",
+        words: &["end_of_step", "hold", "continue"],
+    },
 ];
+
+/// Number of the parameters that the model is compiled from: the first ones.
+pub const COMPILED: usize = PARAMETERS.len() - 1;
+
+/// Meanings of inputs, in the order of their words.
+const MEANINGS: [Inputs; 3] = [Inputs::EndOfStep, Inputs::Hold, Inputs::Continue];
+/// What inputs mean in an FMU of a scene that does not say: importers set them at the beginning of a step.
+const MEANING: f64 = 3.0;
 
 const fn parameter(path: &'static str, kind: Kind, description: &'static str) -> Parameter {
     Parameter {
         path,
         kind,
+        absent: match kind {
+            Kind::Real(_) => f64::NAN,
+            Kind::Optional(_) | Kind::Choice(_) => 0.0,
+        },
         description,
     }
 }
 
-/// All fixed parameters: the numbers first, then the choices.
-pub const PARAMETERS: [Parameter; 12] = [
+/// All fixed parameters: the numbers first, then the choices, last what nothing is compiled from.
+pub const PARAMETERS: [Parameter; 13] = [
     parameter(
         "time.step",
         Kind::Real("s"),
@@ -84,7 +103,7 @@ pub const PARAMETERS: [Parameter; 12] = [
     parameter(
         "fidelity.friction_tolerance",
         Kind::Real("1"),
-        "Relative residual of the friction law at every contact node.",
+        "Force by which the friction law may be violated at a contact node, relative to the bound there.",
     ),
     parameter(
         "material.viscosity.mu1",
@@ -118,6 +137,13 @@ pub const PARAMETERS: [Parameter; 12] = [
         Kind::Choice(3),
         "How the coefficient of the trace follows from Young's modulus and Poisson's ratio.",
     ),
+    Parameter {
+        path: "time.inputs",
+        kind: Kind::Choice(4),
+        absent: MEANING,
+        description: "What an input set before a step is: the load at the end of the step (for importers that know it there, or \
+                      iterate with rollback), the load at its beginning, held, or the same continued with its last slope.",
+    },
 ];
 
 /// Values of all parameters in a scene; choices by their place from 1 (0 for a word that is not among them).
@@ -126,16 +152,32 @@ pub fn values(scene: &Scene) -> Vec<f64> {
     let value_at = |parameter: &Parameter| {
         let found = json.pointer(&format!("/{}", parameter.path.replace('.', "/")));
         match parameter.kind {
-            Kind::Real(_) => found.and_then(Value::as_f64).unwrap_or(f64::NAN),
-            Kind::Optional(_) => found.and_then(Value::as_f64).unwrap_or(0.0),
+            Kind::Real(_) | Kind::Optional(_) => found.and_then(Value::as_f64),
             Kind::Choice(list) => {
                 let word = found.and_then(Value::as_str).unwrap_or("");
                 let place = CHOICES[list].words.iter().position(|w| *w == word);
-                place.map_or(0.0, |p| (p + 1) as f64)
+                place.map(|p| (p + 1) as f64)
             }
         }
+        .unwrap_or(parameter.absent)
     };
     PARAMETERS.iter().map(value_at).collect()
+}
+
+/// What inputs mean with these values of the parameters.
+pub fn inputs_meaning(values: &[f64]) -> Inputs {
+    let place = values[COMPILED] as usize;
+    MEANINGS[place.clamp(1, MEANINGS.len()) - 1]
+}
+
+/// Whether two sets of values give different models.
+pub fn is_other_model(a: &[f64], b: &[f64]) -> bool {
+    a[..COMPILED] != b[..COMPILED]
+}
+
+/// Place of a parameter among all, by its path in the scene.
+pub fn place(path: &str) -> Option<usize> {
+    PARAMETERS.iter().position(|p| p.path == path)
 }
 
 /// Whether a choice has a word at this place.
@@ -146,9 +188,9 @@ pub fn is_choice(parameter: usize, value: i64) -> bool {
     }
 }
 
-/// The changes that lead from one set of values to another, as overrides of a scene.
+/// The changes of the model that lead from one set of values to another, as overrides of a scene.
 pub fn overrides(from: &[f64], to: &[f64]) -> Vec<(String, String)> {
-    let changed = PARAMETERS
+    let changed = PARAMETERS[..COMPILED]
         .iter()
         .zip(from.iter().zip(to))
         .filter(|(_, (a, b))| a != b);
@@ -185,7 +227,7 @@ mod tests {
             let is_absent = matches!(parameter.kind, Kind::Optional(_)) && *value == 0.0;
             assert!(is_absent || *value > 0.0, "{parameter:?}: {value}");
         }
-        for (i, parameter) in PARAMETERS.iter().enumerate() {
+        for (i, parameter) in PARAMETERS[..COMPILED].iter().enumerate() {
             let Kind::Choice(list) = parameter.kind else {
                 assert!(i < 8, "numbers come first");
                 continue;
@@ -200,6 +242,21 @@ mod tests {
                     Scene::with_overrides(paper(), "kazmi2014", &overrides(&before, &after));
                 assert_eq!(values(&changed.expect("a valid scene")), after);
             }
+        }
+    }
+
+    /// Inputs mean the beginning of a step unless the scene says otherwise; every word is one of the scene.
+    #[test]
+    fn inputs_mean_what_the_scene_says() {
+        let meaning_of = |scene: stickslip::Result<Scene>| {
+            inputs_meaning(&values(&scene.expect("a valid scene")))
+        };
+        let silent = Scene::from_json(paper(), "kazmi2014");
+        assert_eq!(meaning_of(silent), Inputs::Continue);
+        for (word, meaning) in CHOICES[4].words.iter().zip(MEANINGS) {
+            let change = [("time.inputs".to_owned(), format!("\"{word}\""))];
+            let scene = Scene::with_overrides(paper(), "kazmi2014", &change);
+            assert_eq!(meaning_of(scene), meaning);
         }
     }
 

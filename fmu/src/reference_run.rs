@@ -1,13 +1,15 @@
-//! The run that an FMU carries for comparison: the scene on its own signals, through the same simulator.
+//! The run that an FMU carries for comparison: the scene on its own signals, by the calls that an importer makes.
 
+use crate::parameters;
 use crate::variables::{Role, Variables};
 use std::fmt::Write;
 use std::sync::Arc;
-use stickslip::scene::Signal;
-use stickslip::{Model, Result, Simulator};
+use stickslip::course::{Points, set_loads, set_loads_of_step};
+use stickslip::scene::Inputs;
+use stickslip::{Model, Result, Scene, Simulator};
 
 /// Most communication steps of the run.
-const LONGEST: f64 = 1000.0;
+const LONGEST: u64 = 1000;
 
 /// Input and output tables, CSV with one row per communication point. Names with a comma are quoted.
 pub struct ReferenceRun {
@@ -15,26 +17,21 @@ pub struct ReferenceRun {
     pub outputs: String,
     /// Communication step.
     pub step: f64,
-    /// End of the run.
+    /// End of the run: that of the scene's own, or earlier where that is longer than a thousand steps.
     pub until: f64,
+    /// Whether the inputs of a row were set before the step that ends at its time, not before the one that begins there.
+    pub is_set_at_end: bool,
 }
 
-/// Runs the scene of a model: the inputs of a row are those that hold at its time.
+/// Runs a scene on its model: a row of inputs holds the loads at its time, which are set before the step that begins there (or,
+/// where inputs mean the end of a step, that ends there).
 ///
 /// # Errors
 /// Those of the simulator.
-pub fn reference_run(model: &Arc<Model>) -> Result<ReferenceRun> {
-    let scene = model.scene();
+pub fn reference_run(scene: &Scene, model: &Arc<Model>) -> Result<ReferenceRun> {
     let variables = Variables::new(model);
-    let step = scene.run.step.unwrap_or(scene.time.step);
-    let count = (scene.run.until / step).round().clamp(1.0, LONGEST) as usize;
-    let inputs_at = |t: f64| -> Vec<f64> {
-        let value = |load: &stickslip::scene::Load| {
-            let signal = scene.run.signals.get(&load.name);
-            signal.unwrap_or(&Signal::Constant(load.start)).at(t)
-        };
-        scene.loads.iter().map(value).collect()
-    };
+    let points = Points::of(scene);
+    let count = points.count.min(LONGEST);
     let header = |role: Role| -> String {
         let mut line = "time".to_owned();
         for variable in variables.all().iter().filter(|v| v.role == role) {
@@ -47,17 +44,25 @@ pub fn reference_run(model: &Arc<Model>) -> Result<ReferenceRun> {
     };
     let (mut inputs, mut outputs) = (header(Role::Input), header(Role::Output));
     let mut simulator = Simulator::new(Arc::clone(model));
+    simulator.set_inputs_meaning(parameters::inputs_meaning(&parameters::values(scene)))?;
     let mut values = vec![0.0; simulator.output_len()];
-    for i in 0..=count {
-        let time = i as f64 * step;
-        let row = inputs_at(time);
-        simulator.set_inputs(&row)?;
-        if i == 0 {
-            simulator.init(0.0)?;
+    for n in 0..=count {
+        let time = points.at(n);
+        if n == 0 {
+            set_loads(scene, &mut simulator, time)?;
+            simulator.init(time)?;
         } else {
-            simulator.do_step(time - step, step)?;
+            let from = points.at(n - 1);
+            set_loads_of_step(scene, &mut simulator, from, time)?;
+            simulator.do_step(from, time - from)?;
         }
         simulator.get_outputs(&mut values)?;
+        // the loads of the row, for the table alone: every step sets its own
+        set_loads(scene, &mut simulator, time)?;
+        let loads = variables.all().iter().filter(|v| v.role == Role::Input);
+        let row: Vec<f64> = loads
+            .map(|load| Ok(simulator.get_by_name(&load.name)?[0]))
+            .collect::<Result<_>>()?;
         for (text, row) in [(&mut inputs, &row), (&mut outputs, &values)] {
             let _ = write!(text, "{time:?}");
             for value in row {
@@ -69,7 +74,8 @@ pub fn reference_run(model: &Arc<Model>) -> Result<ReferenceRun> {
     Ok(ReferenceRun {
         inputs,
         outputs,
-        step,
-        until: count as f64 * step,
+        step: points.step,
+        until: points.at(count),
+        is_set_at_end: simulator.inputs_meaning() == Inputs::EndOfStep,
     })
 }

@@ -1,6 +1,6 @@
 //! Saved FMU states: everything that decides how an instance goes on, in memory and as bytes.
 //!
-//! Bytes (little endian): magic `SLIPFMUS`, format, phase, start time, the fixed parameters, the slopes of the inputs, the
+//! Bytes (little endian): magic `SLIPFMUS`, format, phase, start time, stop time (infinite without one), the fixed parameters, the
 //! length and bytes of the state of the simulator, and a checksum (XXH3, 64 bits) over everything before it. There is no
 //! pointer in them: they may be read in another process.
 
@@ -13,7 +13,9 @@ use stickslip::{Simulator, State};
 use xxhash_rust::xxh3::xxh3_64;
 
 const MAGIC: &[u8; 8] = b"SLIPFMUS";
-const FORMAT: u64 = 2;
+const FORMAT: u64 = 3;
+/// Words before the state: magic, format, phase, start and stop time, parameters, length.
+const HEADER: usize = 5 + PARAMETERS.len() + 1;
 
 /// A saved state.
 pub struct Saved {
@@ -23,25 +25,26 @@ pub struct Saved {
     pub start_time: f64,
     /// Fixed parameters as set, compiled or not yet.
     pub parameters: Vec<f64>,
-    /// Slopes of the inputs.
-    pub slopes: Vec<f64>,
+    pub stop_time: Option<f64>,
 }
 
 impl Saved {
     /// Length of [`Saved::to_bytes`].
     pub fn byte_len(&self) -> usize {
-        8 * (1 + 3 + self.parameters.len() + self.slopes.len() + 2) + self.state.byte_len()
+        8 * (HEADER + 1) + self.state.byte_len()
     }
 
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut out = Vec::with_capacity(self.byte_len());
         out.extend_from_slice(MAGIC);
-        let numbers = [FORMAT, self.phase as u64, self.start_time.to_bits()];
-        let values = self
-            .parameters
-            .iter()
-            .chain(&self.slopes)
-            .map(|v| v.to_bits());
+        let stop = self.stop_time.unwrap_or(f64::INFINITY);
+        let numbers = [
+            FORMAT,
+            self.phase as u64,
+            self.start_time.to_bits(),
+            stop.to_bits(),
+        ];
+        let values = self.parameters.iter().map(|v| v.to_bits());
         for word in numbers.into_iter().chain(values) {
             out.extend_from_slice(&word.to_le_bytes());
         }
@@ -56,12 +59,10 @@ impl Saved {
     /// Reads [`Saved::to_bytes`] for an FMU; `component_of` gives its component for a set of fixed parameters.
     pub fn from_bytes(
         bytes: &[u8],
-        inputs: usize,
         component_of: impl FnOnce(&[f64]) -> Outcome<Arc<Component>>,
     ) -> Outcome<Saved> {
         let refuse = |what: &str| Err(Fault::error(format!("serialized FMU state: {what}")));
-        let header = 1 + 3 + PARAMETERS.len() + inputs + 1;
-        if bytes.len() < 8 * (header + 1) || &bytes[..8] != MAGIC {
+        if bytes.len() < 8 * (HEADER + 1) || &bytes[..8] != MAGIC {
             return refuse("these bytes are not one, or are truncated");
         }
         let (body, checksum) = bytes.split_at(bytes.len() - 8);
@@ -79,29 +80,27 @@ impl Saved {
         let Some(phase) = Phase::from_number(word(2)) else {
             return refuse("unknown phase");
         };
-        let floats = |from: usize, len: usize| -> Vec<f64> {
-            (from..from + len)
-                .map(|at| f64::from_bits(word(at)))
-                .collect()
-        };
-        let parameters = floats(4, PARAMETERS.len());
-        let slopes = floats(4 + PARAMETERS.len(), inputs);
-        if word(header - 1) != (body.len() - 8 * header) as u64 {
+        let float = |at: usize| f64::from_bits(word(at));
+        let (start_time, stop_time) = (float(3), float(4));
+        if !start_time.is_finite() || stop_time.is_nan() {
+            return refuse("its start or stop time is not a number");
+        }
+        let parameters: Vec<f64> = (5..HEADER - 1).map(float).collect();
+        if word(HEADER - 1) != (body.len() - 8 * HEADER) as u64 {
             return refuse("of an FMU with other inputs");
         }
         let component = component_of(&parameters)?;
         let mut simulator = Simulator::new(Arc::clone(&component.model));
-        simulator.restore_bytes(&body[8 * header..])?;
+        simulator.restore_bytes(&body[8 * HEADER..])?;
         let mut state = simulator.new_state();
         simulator.save(&mut state)?;
-        let start_time = f64::from_bits(word(3));
         Ok(Saved {
             component,
             state,
             phase,
             start_time,
+            stop_time: stop_time.is_finite().then_some(stop_time),
             parameters,
-            slopes,
         })
     }
 }

@@ -12,6 +12,9 @@ use stickslip::ports::{Causality, Quantity};
 /// First value reference of array variables.
 pub const ARRAY_BASE: u32 = 1 << 24;
 
+/// Fixed parameters that matter from the first step on.
+const LATER: [&str; 4] = ["time.step", "time.tolerance", "time.scheme", "time.inputs"];
+
 /// What a variable is to an importer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
@@ -35,6 +38,50 @@ pub enum Slope {
     NormOf(usize),
 }
 
+/// Whether a variable depends on the loads of the same instant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Follows {
+    /// It does not: it is an integral over time, or no output.
+    Nothing,
+    /// It does, but for the start, where it is always the same.
+    LoadsAfterStart,
+    /// It does.
+    Loads,
+}
+
+impl Follows {
+    /// A body without inertia has velocities and contact forces that follow its loads at once. What is integrated over time
+    /// (displacements, slips, energies) does not.
+    fn of(quantity: Quantity) -> Follows {
+        match quantity {
+            Quantity::TangentialStress
+            | Quantity::SlipRate
+            | Quantity::Stick
+            | Quantity::ContactForce
+            | Quantity::MaxSlipRate
+            | Quantity::StickFraction
+            | Quantity::LoadVelocity(_)
+            | Quantity::ProbeVelocity(_)
+            | Quantity::Iterations
+            | Quantity::Residual
+            | Quantity::Solutions
+            | Quantity::SolutionGap => Follows::Loads,
+            Quantity::ErrorEstimate => Follows::LoadsAfterStart,
+            Quantity::Load(_)
+            | Quantity::Coefficient(_)
+            | Quantity::Slip
+            | Quantity::AccumulatedSlip
+            | Quantity::LoadDisplacement(_)
+            | Quantity::ProbeDisplacement(_)
+            | Quantity::ExternalWork
+            | Quantity::ElasticEnergy
+            | Quantity::ViscousDissipation
+            | Quantity::FrictionDissipation
+            | Quantity::BalanceError => Follows::Nothing,
+        }
+    }
+}
+
 /// One variable.
 #[derive(Debug, Clone)]
 pub struct Variable {
@@ -54,6 +101,7 @@ pub struct Variable {
     /// Reference of the port, for the variables that are ports.
     pub port: Option<u32>,
     pub slope: Slope,
+    pub follows: Follows,
 }
 
 impl Variable {
@@ -120,6 +168,7 @@ impl Variables {
             );
             if let Some(last) = all.list.last_mut() {
                 last.port = Some(port.reference);
+                last.follows = Follows::of(port.quantity);
             }
         }
         for parameter in &PARAMETERS {
@@ -162,6 +211,7 @@ impl Variables {
             choice: None,
             port: None,
             slope: Slope::Unknown,
+            follows: Follows::Nothing,
         });
     }
 
@@ -222,6 +272,15 @@ impl Variables {
         } else {
             let place = reference as usize;
             (place < self.len()).then(|| place..place + 1)
+        }
+    }
+
+    /// Whether the values at the start depend on a variable: of the fixed parameters those of the time scheme do not matter yet.
+    pub fn decides_start(variable: &Variable) -> bool {
+        match variable.role {
+            Role::Input | Role::Tunable => true,
+            Role::Fixed => !LATER.contains(&variable.name.as_str()),
+            Role::Time | Role::Output => false,
         }
     }
 

@@ -6,7 +6,8 @@ use fmi_rs::fmi2::types::fmi2Status;
 use fmi_rs::fmi3::builder::FMU3Builder;
 use fmi_rs::fmi3::types::fmi3Status;
 use std::path::PathBuf;
-use stickslip::{Scene, Simulator, compile, scene};
+use stickslip::scene::{self, Inputs};
+use stickslip::{Scene, Simulator, compile};
 use stickslip_fmu::{FmiVersion, Options, find_library, package};
 
 const STEPS: usize = 32;
@@ -17,15 +18,16 @@ fn press(i: usize) -> f64 {
     -0.3 + 0.1 * (0.2 * i as f64).sin()
 }
 
-/// Outputs after the start and after every step.
+/// Outputs after the start and after every step, whose inputs are set at its beginning.
 fn simulator_run() -> Vec<Vec<f64>> {
     let text = scene::example("kazmi2014").unwrap();
     let mut simulator =
         Simulator::new(compile(&Scene::from_json(text, "kazmi2014").unwrap()).unwrap());
     let mut values = vec![0.0; simulator.output_len()];
     let mut rows = Vec::new();
+    simulator.set_inputs_meaning(Inputs::Continue).unwrap();
     for i in 0..=STEPS {
-        simulator.set_inputs(&[press(i)]).unwrap();
+        simulator.set_inputs(&[press(i.saturating_sub(1))]).unwrap();
         if i == 0 {
             simulator.init(0.0).unwrap();
         } else {
@@ -116,7 +118,7 @@ fn fmi_2_outputs_are_those_of_the_simulator() {
     ok(pad.exitInitializationMode());
     let mut step = |i: usize| {
         if i > 0 {
-            ok(pad.setReal(&knob, &[press(i)]));
+            ok(pad.setReal(&knob, &[press(i - 1)]));
             ok(pad.doStep((i - 1) as f64 * STEP, STEP, 1));
         }
         ok(pad.getReal(&outputs, &mut values));
@@ -162,7 +164,7 @@ fn fmi_3_outputs_are_those_of_the_simulator() {
     let mut step = |i: usize| {
         if i > 0 {
             let (mut event, mut end, mut early, mut time) = (true, true, true, 0.0);
-            ok(pad.setFloat64(&knob, &[press(i)]));
+            ok(pad.setFloat64(&knob, &[press(i - 1)]));
             let start = (i - 1) as f64 * STEP;
             ok(pad.doStep(
                 start, STEP, true, &mut event, &mut end, &mut early, &mut time,

@@ -75,6 +75,7 @@ class Instance:
     def __init__(self, library, name=b"pad", token=None, resources="own", logging=True, callbacks=True, kind=1, event_mode=False, early_return=False):
         self.library, self.dll, self.v = library, library.dll, library.version
         self.log = []
+        self.experiment = 0.0, None, None
         token = library.token if token is None else (None if token is NULL else token)
         resources = library.resources if resources == "own" else resources
         if self.v == 2:
@@ -101,13 +102,20 @@ class Instance:
         return getattr(self.dll, two if self.v == 2 else three)
 
     # lifecycle
-    def setup(self, start=0.0):
-        return self.dll.fmi2SetupExperiment(self.p, 0, c_double(0), c_double(start), 0, c_double(0)) if self.v == 2 else OK
+    def setup(self, start=0.0, stop=None, tolerance=None):
+        """The experiment, which FMI 3 states when it enters initialization mode: `enter` then takes it from here."""
+        self.experiment = start, stop, tolerance
+        if self.v == 3:
+            return OK
+        of = lambda value: (int(value is not None), c_double(value or 0.0))  # noqa: E731
+        return self.dll.fmi2SetupExperiment(self.p, *of(tolerance), c_double(start), *of(stop))
 
-    def enter(self, start=0.0):
+    def enter(self):
         if self.v == 2:
             return self.dll.fmi2EnterInitializationMode(self.p)
-        return self.dll.fmi3EnterInitializationMode(self.p, c_uint8(0), c_double(0), c_double(start), c_uint8(0), c_double(0))
+        start, stop, tolerance = self.experiment
+        of = lambda value: (c_uint8(value is not None), c_double(value or 0.0))  # noqa: E731
+        return self.dll.fmi3EnterInitializationMode(self.p, *of(tolerance), c_double(start), *of(stop))
 
     def exit(self):
         return self._f("fmi2ExitInitializationMode", "fmi3ExitInitializationMode")(self.p)
@@ -223,6 +231,11 @@ class Instance:
         f = self.dll.fmi3GetAdjointDerivative
         tail = (s, c_size_t(len(seed)), out, c_size_t(len(out)))
         return f(self.p, u, c_size_t(len(unknowns)), k, c_size_t(len(knowns)), *tail), list(out)
+
+    def input_derivative(self, name, value, order=1):
+        """FMI 2 alone."""
+        refs = (c_uint32 * 1)(*self.library.reference(name))
+        return self.dll.fmi2SetRealInputDerivatives(self.p, refs, c_size_t(1), (c_int * 1)(order), (c_double * 1)(value))
 
     def output_derivative(self, name, order=1):
         refs = self.library.reference(name)

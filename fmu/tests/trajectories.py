@@ -48,7 +48,8 @@ SCENES = {name: scene_of(reference) for name, reference in REFERENCES.items()} |
 
 
 def rust_run(fmu):
-    """Rows of time and inputs, rows of time and all outputs, each below the names; as the packager ran the scene."""
+    """Rows of time and inputs, rows of time and all outputs, each below the names; as the packager ran the scene: the inputs of a
+    row are set before the step that begins at its time."""
     with zipfile.ZipFile(fmu) as archive:
         tables = [archive.read(f"extra/org.fmi-standard.fmi-ls-ref/reference_{n}.csv").decode() for n in ("in", "out")]
     tables = [list(csv.reader(io.StringIO(table))) for table in tables]
@@ -78,11 +79,16 @@ def fmpy_run(fmu, inputs, outputs=None):
     pad.enterInitializationMode()
     put(inputs[1])
     pad.exitInitializationMode()
-    for i, row in enumerate(inputs[1:]):
-        if i:
-            put(row)
-            pad.doStep(inputs[i][0], inputs[2][0])
-        rows.append([row[0]] + list(pad.getReal(refs) if two else pad.getFloat64(refs, nValues=sizes)))
+
+
+    def read(time):
+        rows.append([time] + list(pad.getReal(refs) if two else pad.getFloat64(refs, nValues=sizes)))
+
+    read(inputs[1][0])
+    for row, after in zip(inputs[1:], inputs[2:]):
+        put(row)
+        pad.doStep(row[0], after[0] - row[0])
+        read(after[0])
     pad.terminate()
     pad.freeInstance()
     shutil.rmtree(folder)

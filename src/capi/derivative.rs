@@ -6,12 +6,13 @@ use super::simulator::{stickslip_simulator, with};
 use crate::error::Error;
 use crate::simulator::Simulator;
 
-/// Writes the derivative of all outputs at the end of the last step by the inputs at its end, along `seed`:
+/// Writes the derivative of all outputs at the end of the last step by its inputs, whatever
+/// they mean (`stickslip_set_inputs_meaning`), along `seed`:
 /// `derivative = (d outputs / d inputs) seed`, from the consistent tangent. `seed` has one value per input, `derivative` is
 /// ordered as `stickslip_get_outputs`; units are those of the output per unit of the input. Where a node is just about to
 /// change between stick and slip, the derivative is that of the branch the step ended on; counts and indicators have the
 /// derivative 0. Costs about one step, allocates, changes no state. Errors: `CALL_ORDER` when the state is not the end of a
-/// step (after init, reset, restore, deserialize), `LENGTH`, `VALUE`, `NULL`.
+/// step (after init, reset, restore, deserialize), `LENGTH`, `VALUE`, `OVERFLOW`, `NULL`.
 ///
 /// # Safety
 /// `simulator` is NULL or live, `seed` NULL or `inputs` values, `derivative` NULL or `outputs` writable values; the two do not

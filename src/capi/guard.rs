@@ -1,7 +1,8 @@
 //! What every function goes through: pointers are checked, errors become codes and a message of the thread, panics stop
-//! here.
+//! here, and the floating-point environment of the host is put aside.
 
 use crate::error::{Error, ErrorCode, Result};
+use crate::float_environment::DefaultEnvironment;
 use std::cell::{Cell, RefCell};
 use std::ffi::{CStr, c_char};
 use std::fmt::{self, Write};
@@ -55,6 +56,7 @@ pub(super) fn last_message() -> String {
 
 /// Runs a call, turns its error into code and message, and stops a panic. `on_panic` marks what must not be used again.
 pub(super) fn guarded(call: impl FnOnce() -> Result<i32>, on_panic: impl FnOnce()) -> i32 {
+    let _environment = DefaultEnvironment::enter();
     silence_own_panics();
     let was_guarded = IS_GUARDED.replace(true);
     let outcome = catch_unwind(AssertUnwindSafe(call));
@@ -301,6 +303,7 @@ pub extern "C" fn stickslip_code_name(code: i32) -> *const c_char {
     let name = match code {
         super::STICKSLIP_OK => c"OK",
         super::STICKSLIP_NOT_UNIQUE => c"NOT_UNIQUE",
+        super::STICKSLIP_AT_ROUNDING => c"AT_ROUNDING",
         _ => ErrorCode::ALL
             .iter()
             .find(|known| **known as i32 == code)

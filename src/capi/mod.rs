@@ -10,12 +10,14 @@ compile_error!("the C interface catches panics: build it with panic = \"unwind\"
 
 mod derivative;
 mod guard;
+mod inputs;
 mod model;
 mod simulator;
 mod state;
 
 pub use derivative::*;
 pub use guard::{stickslip_code_name, stickslip_last_error};
+pub use inputs::*;
 pub use model::*;
 pub use simulator::*;
 pub use state::*;
@@ -28,7 +30,10 @@ pub const STICKSLIP_ABI_VERSION: u32 = 1;
 pub const STICKSLIP_OK: i32 = 0;
 /// The step was taken, but the multiplicity test (scene: `fidelity.multiplicity_test`) found more than one solution.
 pub const STICKSLIP_NOT_UNIQUE: i32 = 1;
-/// Causality of a port: set before a step, its value at the end of the step.
+/// The step was taken, but rounding kept the friction law from holding to `fidelity.friction_tolerance`: the output
+/// `solver.residual` tells to what share of the forces that meet at a contact node it holds, never worse than 1e-8.
+pub const STICKSLIP_AT_ROUNDING: i32 = 2;
+/// Causality of a port: set before a step, by default its value at the end of the step (`stickslip_set_inputs_meaning`).
 pub const STICKSLIP_INPUT: i32 = 0;
 /// Causality of a port: read after a step.
 pub const STICKSLIP_OUTPUT: i32 = 1;

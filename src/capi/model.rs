@@ -3,10 +3,11 @@
 use super::guard::{Handle, free, give, guarded, handle, place, room, text, values, values_mut};
 use super::{STICKSLIP_INPUT, STICKSLIP_OK, STICKSLIP_OUTPUT, STICKSLIP_PARAMETER};
 use crate::error::{Error, Result};
-use crate::model::Model;
+use crate::model::{Model, Observer, Progress};
 use crate::ports::{Causality, Port};
 use crate::scene::Scene;
-use std::ffi::{CString, c_char};
+use std::ffi::{CString, c_char, c_void};
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
 /// A compiled scene: immutable, used by any number of simulators in any number of threads.
@@ -149,8 +150,9 @@ impl stickslip_model {
 }
 
 /// Compiles `scene`, the NUL-terminated UTF-8 text of a scene.json, into `*model`. Takes from milliseconds to seconds; the
-/// caller frees the model. Errors: `SCENE`, `BODY`, `REDUCTION_INACCURATE`, `NOT_POSITIVE_DEFINITE`, `UNSTABLE`, `NULL`. Any
-/// thread.
+/// caller frees the model. Errors: `SCENE` (also for a scene that needs more memory than its `fidelity.memory_limit`, or than
+/// there is), `BODY`, `REDUCTION_INACCURATE`, `NOT_POSITIVE_DEFINITE`, `UNSTABLE` (unless the scene says `time.force`), `NULL`.
+/// Any thread.
 ///
 /// # Safety
 /// `scene` is NULL or NUL-terminated, `model` NULL or writable.
@@ -160,21 +162,63 @@ pub unsafe extern "C" fn stickslip_model_compile(
     model: *mut *mut stickslip_model,
 ) -> i32 {
     let call = || {
-        place(model, "model")?;
         // SAFETY: as promised by the caller
-        let bytes = unsafe { text(scene, "scene") }?;
-        let text = std::str::from_utf8(bytes).map_err(|e| Error::Scene {
-            source_name: "scene".into(),
-            path: "$".into(),
-            found: format!("bytes that are not UTF-8 ({e})"),
-            allowed: "UTF-8 text".into(),
-        })?;
-        let scene = Scene::from_json(text, "scene")?;
-        let compiled = new_handle(crate::model::compile(&scene)?)?;
-        unsafe { give(model, compiled) };
-        Ok(STICKSLIP_OK)
+        unsafe { compile(scene, model, &mut |_| ControlFlow::Continue(())) }
     };
     guarded(call, || {})
+}
+
+/// Is told where a compilation stands: the phase (0: settings are measured for `fidelity.target_error`, 1: assembly, 2: the model
+/// of the body is made, 3: certificate), the fraction of the work that is done (0 to 1, never falling; it stays 0 in phase 0),
+/// and the `user_data` of the call. Any value but 0 stops the compilation. Must not throw, nor unwind by longjmp.
+pub type stickslip_progress =
+    Option<unsafe extern "C" fn(phase: i32, fraction: f64, user_data: *mut c_void) -> i32>;
+
+/// `stickslip_model_compile` that calls `progress` some tens of times on the caller's thread, between factorizations, and stops
+/// when it asks for that: `*model` is then left alone. `progress` NULL: as `stickslip_model_compile`. Errors: those of
+/// `stickslip_model_compile`, `CANCELLED`. Any thread.
+///
+/// # Safety
+/// `scene` is NULL or NUL-terminated, `model` NULL or writable, `progress` NULL or a function that may be called with `user_data`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn stickslip_model_compile_with(
+    scene: *const c_char,
+    progress: stickslip_progress,
+    user_data: *mut c_void,
+    model: *mut *mut stickslip_model,
+) -> i32 {
+    let mut observer = |now: Progress| match progress {
+        // SAFETY: as promised by the caller
+        Some(call) if unsafe { call(now.phase as i32, now.fraction, user_data) } != 0 => {
+            ControlFlow::Break(())
+        }
+        _ => ControlFlow::Continue(()),
+    };
+    // SAFETY: as promised by the caller
+    guarded(|| unsafe { compile(scene, model, &mut observer) }, || {})
+}
+
+/// # Safety
+/// As [`stickslip_model_compile`].
+unsafe fn compile(
+    scene: *const c_char,
+    model: *mut *mut stickslip_model,
+    observer: &mut Observer,
+) -> Result<i32> {
+    place(model, "model")?;
+    // SAFETY: as promised by the caller
+    let bytes = unsafe { text(scene, "scene") }?;
+    let text = std::str::from_utf8(bytes).map_err(|e| Error::Scene {
+        source_name: "scene".into(),
+        path: "$".into(),
+        found: format!("bytes that are not UTF-8 ({e})"),
+        allowed: "UTF-8 text".into(),
+    })?;
+    let scene = Scene::from_json(text, "scene")?;
+    let compiled = new_handle(crate::model::compile_with(&scene, observer)?)?;
+    // SAFETY: checked by `place`
+    unsafe { give(model, compiled) };
+    Ok(STICKSLIP_OK)
 }
 
 /// Loads a compiled model from the `length` bytes of `stickslip_model_save`, without mesh or assembly, into `*model`; the
@@ -266,7 +310,7 @@ pub unsafe extern "C" fn stickslip_model_get_info(
             ports: model.ports().all().len(),
             states: model.states(),
             history: model.history_capacity(),
-            state_bytes: crate::state::State::new(model).byte_len(),
+            state_bytes: model.state_bytes(),
             model_bytes: model.summary().bytes,
             fingerprint: model.fingerprint(),
             largest_step: model.largest_step(),

@@ -1,11 +1,13 @@
 //! Handles of simulators: stepping.
 
 use super::guard::{
-    Handle, free, give, guarded, handle, last_message, place, remember, values_mut,
+    self, Handle, free, give, guarded, handle, last_message, place, remember, values_mut,
 };
 use super::model::stickslip_model;
-use super::{STICKSLIP_NOT_UNIQUE, STICKSLIP_OK};
+use super::{STICKSLIP_AT_ROUNDING, STICKSLIP_NOT_UNIQUE, STICKSLIP_OK};
 use crate::error::{Error, Result};
+use crate::message::number;
+use crate::model::ensure_available;
 use crate::simulator::Simulator;
 use std::cell::UnsafeCell;
 use std::sync::Arc;
@@ -96,7 +98,7 @@ pub(super) unsafe fn with(
 }
 
 /// Creates a simulator of `model` in `*simulator`, before its initialization; the caller frees it. It keeps what it needs
-/// of the model alive. Errors: `NULL`. Any thread.
+/// of the model alive. Errors: `NULL`, `BODY` when there is not enough memory. Any thread.
 ///
 /// # Safety
 /// `model` is NULL or live, `simulator` NULL or writable.
@@ -109,6 +111,7 @@ pub unsafe extern "C" fn stickslip_new(
         place(simulator, "simulator")?;
         // SAFETY: as promised by the caller
         let model = unsafe { handle(model) }?;
+        ensure_available("a simulator", model.model.simulator_bytes())?;
         let new = stickslip_simulator::new(Simulator::new(Arc::clone(&model.model)));
         unsafe { give(simulator, new) };
         Ok(STICKSLIP_OK)
@@ -117,7 +120,7 @@ pub unsafe extern "C" fn stickslip_new(
 }
 
 /// Creates in `*copy` an independent simulator of the same model in the same state; the caller frees it. Errors: `NULL`,
-/// `POISONED`.
+/// `POISONED`, `BODY` when there is not enough memory.
 ///
 /// # Safety
 /// `simulator` is NULL or live, `copy` NULL or writable.
@@ -128,6 +131,7 @@ pub unsafe extern "C" fn stickslip_clone(
 ) -> i32 {
     let call = |simulator: &mut Simulator| {
         place(copy, "copy")?;
+        ensure_available("a simulator", simulator.model().simulator_bytes())?;
         let new = stickslip_simulator::new(simulator.clone());
         unsafe { give(copy, new) };
         Ok(STICKSLIP_OK)
@@ -152,7 +156,7 @@ pub unsafe extern "C" fn stickslip_free(simulator: *mut stickslip_simulator) {
 
 /// Starts the simulation at `time` (s) with the body undeformed. Inputs set before are the loads at that instant; without
 /// them the start values of the scene are. Errors: `CALL_ORDER` when already initialized, `VALUE` for a time that is not
-/// finite, `NOT_CONVERGED`.
+/// finite or friction coefficients that do not fit each other, `NOT_CONVERGED`, `OVERFLOW`.
 ///
 /// # Safety
 /// `simulator` is NULL or live.
@@ -177,8 +181,8 @@ pub unsafe extern "C" fn stickslip_reset(simulator: *mut stickslip_simulator) ->
     unsafe { with(simulator, call) }
 }
 
-/// Sets all inputs, `count` values in the order of the loads of the scene: the intensities at the end of the next step
-/// (before `stickslip_init`: at the start), Pa for a traction, N/m^3 for a body force. They stay until set again. Allocates
+/// Sets all inputs, `count` values in the order of the loads of the scene: the intensities at the end of the next step, or
+/// at its beginning where `stickslip_set_inputs_meaning` says so (before `stickslip_init`: at the start), Pa for a traction, N/m^3 for a body force. They stay until set again. Allocates
 /// nothing. Errors: `LENGTH`, `VALUE` for a number that is not finite, `NULL`.
 ///
 /// # Safety
@@ -192,7 +196,7 @@ pub unsafe extern "C" fn stickslip_set_inputs(
     let call = |simulator: &mut Simulator| {
         let expected = simulator.model().input_count();
         // SAFETY: as promised by the caller
-        let values = unsafe { super::guard::values(values, count, expected, "inputs") }?;
+        let values = unsafe { guard::values(values, count, expected, "inputs") }?;
         simulator.set_inputs(values)?;
         Ok(STICKSLIP_OK)
     };
@@ -200,7 +204,9 @@ pub unsafe extern "C" fn stickslip_set_inputs(
     unsafe { with(simulator, call) }
 }
 
-/// Sets one input or parameter by its reference, in the unit of its port. Errors: `UNKNOWN`, `CALL_ORDER` for an output,
+/// Sets one input or parameter by its reference, in the unit of its port. Coefficients of the friction law may be set in any
+/// order: each is checked against its own range here, and the set of them (a >= b) by `stickslip_init` and
+/// `stickslip_do_step`. Outputs are those of the last step until the next one. Errors: `UNKNOWN`, `CALL_ORDER` for an output,
 /// `VALUE`.
 ///
 /// # Safety
@@ -219,10 +225,36 @@ pub unsafe extern "C" fn stickslip_set(
     unsafe { with(simulator, call) }
 }
 
+/// Sets `count` inputs and parameters together: `values[i]` to the port `references[i]`, in its unit; of a port named twice
+/// the last value holds. The friction coefficients that result are checked as a set when the call ends. All is set or, on an
+/// error, nothing. Allocates nothing. Errors: `UNKNOWN`, `CALL_ORDER` for an output, `VALUE`, `NULL`.
+///
+/// # Safety
+/// `simulator` is NULL or live, `references` and `values` are NULL or point to `count` values each.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn stickslip_set_many(
+    simulator: *mut stickslip_simulator,
+    references: *const u32,
+    values: *const f64,
+    count: usize,
+) -> i32 {
+    let call = |simulator: &mut Simulator| {
+        // SAFETY: as promised by the caller
+        let references = unsafe { guard::values(references, count, count, "references") }?;
+        let values = unsafe { guard::values(values, count, count, "values to set") }?;
+        simulator.set_many(references, values)?;
+        Ok(STICKSLIP_OK)
+    };
+    // SAFETY: as promised by the caller
+    unsafe { with(simulator, call) }
+}
+
 /// Steps from `time` to `time + step` (s). `time` is where the simulation stands, up to rounding; a step of any size is cut
 /// into internal steps. Allocates nothing once the step size is known. Returns `NOT_UNIQUE` (> 0) when the step was
-/// taken but the multiplicity test found other solutions. Errors, with the state bit for bit as before: `CALL_ORDER` before
-/// `stickslip_init`, `STEP`, `NOT_CONVERGED`.
+/// taken but the multiplicity test found other solutions, `AT_ROUNDING` (> 0) when it was taken but rounding kept the friction
+/// law from holding to its tolerance. Errors, with the state bit for bit as before: `CALL_ORDER` before
+/// `stickslip_init`, `STEP`, `VALUE` for friction coefficients that do not fit each other, `NOT_CONVERGED`,
+/// `TOLERANCE_OUT_OF_REACH`, `OVERFLOW` for results that are too large for a number.
 ///
 /// # Safety
 /// `simulator` is NULL or live.
@@ -237,9 +269,17 @@ pub unsafe extern "C" fn stickslip_do_step(
         let (solutions, gap) = simulator.solutions();
         if solutions > 1.0 {
             remember(format_args!(
-                "the step at time {time} has {solutions} solutions, up to {gap} m/s apart"
+                "the step at time {} has {solutions} solutions, up to {gap:.3e} m/s apart",
+                number(time)
             ));
             return Ok(STICKSLIP_NOT_UNIQUE);
+        }
+        if let Some(residual) = simulator.residual_at_rounding() {
+            remember(format_args!(
+                "the friction law of the step at time {time} holds to {residual:.1e} of the forces that meet at a node, as well \
+                 as rounding allows, not to the tolerance"
+            ));
+            return Ok(STICKSLIP_AT_ROUNDING);
         }
         Ok(STICKSLIP_OK)
     };

@@ -4,6 +4,7 @@ use super::STICKSLIP_OK;
 use super::guard::{Handle, free, give, guarded, handle, handle_mut, place, room, values};
 use super::simulator::{stickslip_simulator, with};
 use crate::error::{Error, Result};
+use crate::model::ensure_available;
 use crate::simulator::Simulator;
 use crate::state::State;
 
@@ -24,7 +25,7 @@ impl Handle for stickslip_state {
 }
 
 /// Creates in `*state` room for a saved state of this simulator and of all others of its model; the caller frees it. It
-/// outlives simulator and model. Errors: `NULL`, `POISONED`.
+/// outlives simulator and model. Errors: `NULL`, `POISONED`, `BODY` when there is not enough memory.
 ///
 /// # Safety
 /// `simulator` is NULL or live, `state` NULL or writable.
@@ -35,6 +36,7 @@ pub unsafe extern "C" fn stickslip_state_new(
 ) -> i32 {
     let call = |simulator: &mut Simulator| {
         place(state, "state")?;
+        ensure_available("a state", simulator.model().state_bytes())?;
         let new = stickslip_state {
             tag: stickslip_state::TAG,
             state: simulator.new_state(),
@@ -139,8 +141,8 @@ pub unsafe extern "C" fn stickslip_serialize(
 }
 
 /// Continues from the bytes of `stickslip_serialize`, in this process or another, on this machine or another that holds the
-/// same compiled model. Errors, with the state as before: `BYTES` (of another kind or version, truncated, damaged),
-/// `FINGERPRINT`, `NULL`.
+/// same compiled model. Errors, with the state as before: `BYTES` (of another kind or version, truncated, damaged, or a state
+/// that no simulation leaves behind: numbers that are not finite, counters out of range), `FINGERPRINT`, `NULL`.
 ///
 /// # Safety
 /// `simulator` is NULL or live, `bytes` NULL or `length` bytes.

@@ -169,6 +169,7 @@ impl ContactPatch {
 
     /// Tangential stress on the body, Pa, at component `i` under the contact force Lambda = `force` (N).
     pub fn stress(&self, i: usize, force: f64) -> f64 {
-        -force / self.weights[i / self.components]
+        // 0 and not -0 without friction
+        (0.0 - force) / self.weights[i / self.components]
     }
 }

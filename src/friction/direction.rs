@@ -41,6 +41,8 @@ pub struct Direction {
     pub gradient: Vec<f64>,
     /// The step, m/s.
     pub step: Vec<f64>,
+    /// Tangent of the angle by which every node turns its slip direction beside its step; see `space`.
+    pub turns: Vec<f64>,
     /// `S step`, N; only when `has_forces`.
     pub forces: Vec<f64>,
     /// Whether the forces of the step are known.
@@ -70,6 +72,7 @@ impl Direction {
             normal: vec![0.0; len],
             gradient: vec![0.0; len],
             step: vec![0.0; len],
+            turns: vec![0.0; nodes],
             forces: vec![0.0; len],
             has_forces: false,
             is_majorised: false,
@@ -122,7 +125,7 @@ impl Direction {
         while moves {
             match cache.current().filter(|_| !wants_new) {
                 Some(factor) if self.list_terms(simd, problem, point, factor) => {
-                    self.solve(simd, problem, factor);
+                    self.solve(simd, problem, point, factor);
                 }
                 _ => {
                     if !self.relinearise(problem, point, at, cache) {
@@ -216,6 +219,7 @@ impl Direction {
         &mut self,
         simd: S,
         problem: &ContactProblem<L>,
+        point: &Point,
         factor: &Factor,
     ) {
         let (c, order) = (problem.components, factor.order());
@@ -249,6 +253,9 @@ impl Direction {
             self.scatter(problem, factor);
             if c == 1 {
                 self.scatter_forces(simd, problem, factor);
+            } else {
+                let (step, turns) = (&mut self.step, &mut self.turns);
+                space::split_turns(problem, point, &self.normal, step, turns);
             }
             lanes::dot(simd, &self.last.change, &self.step)
         };

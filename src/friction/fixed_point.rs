@@ -119,5 +119,6 @@ pub fn solve<L: FrictionLaw>(
         residual,
         node,
         converged: has_settled,
+        is_at_rounding: false,
     }
 }

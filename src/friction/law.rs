@@ -88,35 +88,44 @@ impl Law {
         }
     }
 
-    /// The same law with other coefficients (the first `coefficient_names().len()` of `values`).
+    /// Refuses a value that the coefficient cannot have, whatever the other ones are.
     ///
     /// # Errors
-    /// [`Error::Value`] when a coefficient is not finite or out of its range.
-    pub fn with_coefficients(&self, values: &[f64; MAX_COEFFICIENTS]) -> Result<Law> {
-        let refuse = |name: &str, found: f64, allowed: &'static str| Error::Value {
+    /// [`Error::Value`] when it is not finite or out of its range.
+    pub fn check_coefficient(&self, index: usize, value: f64) -> Result<()> {
+        if value.is_finite() && value >= 0.0 {
+            return Ok(());
+        }
+        let name = self.coefficient_names().get(index).unwrap_or(&"?");
+        Err(Error::Value {
             what: format!("contact.friction.{name}"),
-            found,
-            allowed,
-        };
-        let finite = |name: &str, value: f64| {
-            if value.is_finite() && value >= 0.0 {
-                Ok(value)
-            } else {
-                Err(refuse(name, value, "a finite number >= 0"))
-            }
-        };
+            found: value,
+            allowed: "a finite number >= 0",
+        })
+    }
+
+    /// The same law with other coefficients (the first `coefficient_names().len()` of `values`): a complete set, in which the
+    /// rules between coefficients hold too.
+    ///
+    /// # Errors
+    /// [`Error::Value`] when a coefficient is not finite or out of its range, or does not fit the other ones.
+    pub fn with_coefficients(&self, values: &[f64; MAX_COEFFICIENTS]) -> Result<Law> {
+        for (i, value) in values[..self.coefficient_names().len()].iter().enumerate() {
+            self.check_coefficient(i, *value)?;
+        }
+        let [first, second, third] = *values;
         Ok(match self {
             Law::Frictionless => Law::Frictionless,
-            Law::Tresca { .. } => Law::Tresca {
-                bound: finite("bound", values[0])?,
-            },
+            Law::Tresca { .. } => Law::Tresca { bound: first },
             Law::Exponential { .. } => {
-                let b = finite("b", values[1])?;
-                let a = finite("a", values[0])?;
+                let (a, b, alpha) = (first, second, third);
                 if a < b {
-                    return Err(refuse("a", a, "a >= b"));
+                    return Err(Error::Value {
+                        what: format!("contact.friction.a, where contact.friction.b is {b:?}"),
+                        found: a,
+                        allowed: "a >= b",
+                    });
                 }
-                let alpha = finite("alpha", values[2])?;
                 Law::Exponential { a, b, alpha }
             }
         })
@@ -296,5 +305,10 @@ mod tests {
         assert!(law.with_coefficients(&[1.0, 2.0, 0.0]).is_err());
         assert!(law.with_coefficients(&[f64::NAN, 0.0, 0.0]).is_err());
         assert!(law.with_coefficients(&[1.0, 0.0, -1.0]).is_err());
+        assert!(law.check_coefficient(1, 5.0).is_ok());
+        assert!(law.check_coefficient(1, -5.0).is_err());
+        // what a law does not have is not looked at
+        let tresca = Law::Tresca { bound: 1.0 };
+        assert!(tresca.with_coefficients(&[2.0, f64::NAN, -1.0]).is_ok());
     }
 }

@@ -31,6 +31,21 @@ pub fn no_points(nodes: usize, components: usize) -> Vec<f64> {
     point.repeat(POINTS)
 }
 
+/// Whether points that were read from bytes are such: finite heads, and blocks that are finite or mark a node as not free.
+pub fn is_plausible(points: &[f64], components: usize) -> bool {
+    let count = |value: f64| (0.0..9e15).contains(&value);
+    points.is_empty()
+        || points.chunks_exact(points.len() / POINTS).all(|point| {
+            let (head, blocks) = point.split_at(HEAD);
+            head[0].is_finite()
+                && head[0] >= 0.0
+                && count(head[1])
+                && blocks.chunks_exact(block_len(components)).all(|block| {
+                    block.iter().all(|v| v.is_finite()) || block.iter().all(|v| *v == CLAMPED)
+                })
+        })
+}
+
 /// A point of linearisation.
 pub struct Linearisation<'a> {
     theta_k: f64,
@@ -185,9 +200,10 @@ pub struct FactorCache {
 }
 
 impl FactorCache {
-    pub fn new(nodes: usize, len: usize) -> FactorCache {
+    /// Room for the factors at `points` points, of `nodes` nodes with `len` components in all.
+    pub fn new(points: usize, nodes: usize, len: usize) -> FactorCache {
         FactorCache {
-            factors: (0..POINTS).map(|_| Factor::new(nodes, len)).collect(),
+            factors: (0..points).map(|_| Factor::new(nodes, len)).collect(),
             current: None,
             factorizations: 0,
             clock: 0,
@@ -206,7 +222,7 @@ impl FactorCache {
         let slot = match known {
             Some(slot) => slot,
             None => {
-                let oldest = (0..POINTS)
+                let oldest = (0..self.factors.len())
                     .min_by_key(|&i| self.factors[i].last_use)
                     .unwrap_or(0);
                 let factor = &mut self.factors[oldest];

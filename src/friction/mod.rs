@@ -16,6 +16,7 @@
 //! which is coercive, so one exists whatever the law and the step. Nothing here knows the body, the mesh or the time.
 
 mod attempts;
+mod cascade;
 mod direction;
 pub mod evaluation;
 pub mod fixed_point;

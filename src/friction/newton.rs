@@ -17,17 +17,20 @@
 //! 3. A node that would reverse its direction stops at stick. A step must decrease W; when no step length does, neither
 //!    from the old nor from the present matrix, a few sweeps of frozen-bound minimisations node by node follow, which can
 //!    never increase W.
-//! 4. The iteration stops on the residual of the friction law itself, so what the matrix was never shows in the answer.
+//! 4. Where steps stay slow because a front between stick and slip has far to go, it is moved on fewer nodes (see `cascade`).
+//! 5. The iteration stops on the residual of the friction law itself, so what the matrix was never shows in the answer.
 //!
 //! After M. Stadler (SIOPT 2004) and Hueeber, Stadler, Wohlmuth (SISC 30, 2008) for the active sets, and the chord method
 //! (C. T. Kelley, Iterative Methods for Linear and Nonlinear Equations, SIAM 1995, 5.4) for the matrix that is kept.
 
+use super::cascade::Cascade;
 use super::direction::{Direction, PATIENCE};
 use super::law::FrictionLaw;
-use super::linearisation::{FactorCache, Linearisation};
+use super::linearisation::{FactorCache, Linearisation, POINTS};
 use super::plane;
 use super::point::Point;
-use super::problem::{ContactProblem, Judgement};
+use super::problem::{ContactProblem, Judgement, LARGEST_FLOOR, SLOWEST, Yardstick};
+use super::space;
 use super::sweep::frozen_bound_sweep;
 use pulp::{Arch, Scalar, Simd, WithSimd};
 
@@ -40,8 +43,10 @@ pub struct Solution {
     pub residual: f64,
     /// Contact node with the largest residual; 0 when the solve converged.
     pub node: usize,
-    /// Whether the residual is within the tolerance.
+    /// Whether the residual is within the tolerance, or the law holds as well as rounding allows.
     pub converged: bool,
+    /// Whether rounding allowed for no residual within the tolerance.
+    pub is_at_rounding: bool,
 }
 
 /// Sufficient decrease of W per unit of predicted decrease (Armijo).
@@ -57,14 +62,22 @@ const ENERGY_ROUNDING: f64 = 1e-13;
 /// A step that leaves more than this share of the residual is slow.
 const SLOW: f64 = 0.5;
 
+/// Share of its bound beyond which a force at a node belongs to a front that is not yet where it will rest.
+const FAR: f64 = 0.1;
+/// Steps in a row that leave a front so far away, after which it is looked for on fewer nodes.
+const CRAWLING: u32 = 8;
+
 /// Scratch of the solver, for the problems of one model; never changes a result.
 pub struct Workspace {
     accepted: Point,
     trial: Point,
     direction: Direction,
     cache: FactorCache,
+    cascade: Cascade,
     /// Whether every point takes its own product with S: near rounding.
     is_careful: bool,
+    /// What the violated forces of this solve are measured against.
+    yardstick: Yardstick,
     /// Whether the trial point is the accepted one and a step, with nothing stopped in between.
     has_plain_trial: bool,
 }
@@ -81,12 +94,24 @@ pub struct Work {
 impl Workspace {
     /// Scratch for the velocities of `nodes` nodes, `len` components in all.
     pub fn new(nodes: usize, len: usize) -> Workspace {
+        let cascade = Cascade::new(nodes, len / nodes);
+        Workspace::with(nodes, len, POINTS, cascade)
+    }
+
+    /// Scratch for a contact on some of the nodes, one component each.
+    pub(super) fn of_level(nodes: usize) -> Workspace {
+        Workspace::with(nodes, nodes, 1, Cascade::none())
+    }
+
+    fn with(nodes: usize, len: usize, points: usize, cascade: Cascade) -> Workspace {
         Workspace {
             accepted: Point::new(nodes, len),
             trial: Point::new(nodes, len),
             direction: Direction::new(nodes, len),
-            cache: FactorCache::new(nodes, len),
+            cache: FactorCache::new(points, nodes, len),
+            cascade,
             is_careful: false,
+            yardstick: Yardstick::default(),
             has_plain_trial: false,
         }
     }
@@ -99,10 +124,10 @@ impl Workspace {
     ) -> (f64, usize) {
         self.accepted.w.copy_from_slice(w);
         problem.complete(&mut self.accepted);
-        problem.worst_node(&self.accepted)
+        problem.worst_node(&self.accepted, problem.yardstick())
     }
 
-    /// The accepted point; its contact forces are minus its `y`.
+    /// The accepted point.
     pub fn accepted(&self) -> &Point {
         &self.accepted
     }
@@ -161,54 +186,112 @@ impl<L: FrictionLaw> WithSimd for Solve<'_, '_, '_, L> {
         } = self;
         ws.accepted.w.copy_from_slice(w);
         problem.complete(&mut ws.accepted);
-        let mut residual = problem.residual(simd, &ws.accepted);
+        let yardstick = problem.yardstick();
+        ws.yardstick = yardstick;
+        let mut residual = problem.residual(simd, &ws.accepted, yardstick);
         let mut iterations = 0;
         if residual > tolerance {
             ws.cache.prepare(problem, at);
         }
-        let mut slow = 0;
+        let (mut slow, mut is_at_rounding) = (0, false);
+        let mut far = 0;
         ws.is_careful = false;
         ws.direction.begin();
         loop {
             if residual <= tolerance && !ws.accepted.is_exact {
                 problem.complete(&mut ws.accepted);
-                residual = problem.residual(simd, &ws.accepted);
+                residual = problem.residual(simd, &ws.accepted, yardstick);
                 ws.is_careful = true;
             }
-            if residual.is_nan() || residual <= tolerance || iterations >= max_iterations {
+            if residual.is_nan() || residual <= tolerance {
+                break;
+            }
+            if (iterations == 0 || slow > 0 || ws.is_careful)
+                && let Some(left) = at_rounding(problem, tolerance, ws)
+            {
+                (residual, is_at_rounding) = (left, true);
+                break;
+            }
+            if iterations >= max_iterations {
                 break;
             }
             iterations += 1;
-            let is_taken = loop {
-                let is_taken = newton_step(simd, problem, residual, slow, at, ws);
-                if is_taken || ws.direction.is_new {
-                    break is_taken;
+            let crawls = far >= CRAWLING;
+            let is_taken = if crawls && cascade(problem, ws) {
+                true
+            } else {
+                loop {
+                    let is_taken = newton_step(simd, problem, residual, slow, at, ws);
+                    if is_taken || ws.direction.is_new {
+                        break is_taken;
+                    }
+                    slow = PATIENCE;
                 }
-                slow = PATIENCE;
             };
             if !is_taken {
                 sweep(problem, ws);
             }
-            let before = std::mem::replace(&mut residual, problem.residual(simd, &ws.accepted));
+            let before = std::mem::replace(
+                &mut residual,
+                problem.residual(simd, &ws.accepted, yardstick),
+            );
             slow = if residual > SLOW * before {
                 slow + 1
             } else {
                 0
             };
+            far = if residual > FAR && !crawls {
+                far + 1
+            } else {
+                0
+            };
         }
+        rest_the_slowest(problem, &mut ws.accepted);
         w.copy_from_slice(&ws.accepted.w);
         // a residual that is not a number is not within the tolerance
-        let converged = residual <= tolerance;
+        let converged = residual <= tolerance || is_at_rounding;
         let node = if converged {
             0
         } else {
-            problem.worst_node(&ws.accepted).1
+            problem.worst_node(&ws.accepted, yardstick).1
         };
         Solution {
             iterations,
             residual,
             node,
             converged,
+            is_at_rounding: converged && residual > tolerance,
+        }
+    }
+}
+
+/// The residual that is left where rounding allows for no less; see [`ContactProblem::residual_beyond_rounding`].
+#[inline(never)]
+fn at_rounding<L: FrictionLaw>(
+    problem: &ContactProblem<L>,
+    tolerance: f64,
+    ws: &mut Workspace,
+) -> Option<f64> {
+    let imbalance = problem.largest_imbalance(&ws.accepted);
+    if imbalance.is_nan() || imbalance > LARGEST_FLOOR {
+        return None;
+    }
+    if !ws.accepted.is_exact {
+        problem.complete(&mut ws.accepted);
+        ws.is_careful = true;
+    }
+    problem.residual_beyond_rounding(&ws.accepted, ws.yardstick, tolerance)
+}
+
+/// Nodes so slow that underflow takes digits from their slip rate are at rest.
+fn rest_the_slowest<L: FrictionLaw>(problem: &ContactProblem<L>, point: &mut Point) {
+    let is_slow = |rate: f64| rate > 0.0 && rate < SLOWEST;
+    if point.rates.iter().any(|rate| is_slow(*rate)) {
+        for node in 0..problem.nodes() {
+            if is_slow(point.rates[node]) {
+                point.rates[node] = 0.0;
+                point.w[problem.at(node)].fill(0.0);
+            }
         }
     }
 }
@@ -234,7 +317,9 @@ fn newton_step<S: Simd, L: FrictionLaw>(
         let is_decrease =
             judgement.predicted < 0.0 && change <= SUFFICIENT_DECREASE * judgement.predicted;
         let is_rounding = || change.abs() <= ENERGY_ROUNDING * judgement.scale;
-        if is_decrease || (is_rounding() && problem.residual(simd, &ws.trial) < residual) {
+        if is_decrease
+            || (is_rounding() && problem.residual(simd, &ws.trial, ws.yardstick) < residual)
+        {
             if ws.direction.is_majorised && length == 1.0 {
                 lengthen(problem, change, ws);
             }
@@ -276,10 +361,8 @@ fn advance<S: Simd, L: FrictionLaw>(
         let step = (&*direction.step, &*direction.forces, &*direction.normal);
         plane::advance(simd, accepted, length, step, trial)
     } else {
-        let steps = accepted.w.iter().zip(&direction.step);
-        for (trial, (w, step)) in trial.w.iter_mut().zip(steps) {
-            *trial = w + length * step;
-        }
+        let step = (&*direction.step, &*direction.turns);
+        space::advance(accepted, length, step, &mut trial.w);
         true
     };
     let has_stopped = reverses && stop_reversals(problem, direction, &mut trial.w);
@@ -313,6 +396,26 @@ fn stop_reversals<L: FrictionLaw>(
         }
     }
     has_stopped
+}
+
+/// Moves to a point found on fewer nodes if W decreases. Whether it does.
+#[inline(never)]
+fn cascade<L: FrictionLaw>(problem: &ContactProblem<L>, ws: &mut Workspace) -> bool {
+    if !ws.cascade.exists() {
+        return false;
+    }
+    let (accepted, trial) = (&ws.accepted, &mut ws.trial);
+    ws.cascade.descend(problem, &accepted.w, &mut trial.w);
+    problem.complete(trial);
+    let change = problem
+        .judge(Scalar, &ws.direction.gradient, accepted, trial)
+        .change;
+    let is_decrease = change < 0.0;
+    if is_decrease {
+        ws.direction.note(None);
+        std::mem::swap(&mut ws.accepted, &mut ws.trial);
+    }
+    is_decrease
 }
 
 /// Sweeps in the place of a refused Newton step.

@@ -5,10 +5,11 @@ use super::point::Point;
 use crate::linalg::lanes::{larger, map, visit};
 use pulp::Simd;
 
-/// Residual of the friction law: the largest violated force over the forces that meet at a node, those not below a share
-/// `floor` of the largest. NaN where a force is not finite.
+/// Residual of the friction law: the largest violated force over the bound of the node, those not below `least_bound`; where
+/// that is zero over the forces that meet at the node, those not below a share `floor` of the largest. NaN where a force is
+/// not finite.
 #[inline(always)]
-pub fn residual<S: Simd>(simd: S, r: &[f64], point: &Point, floor: f64) -> f64 {
+pub fn residual<S: Simd>(simd: S, r: &[f64], point: &Point, least_bound: f64, floor: f64) -> f64 {
     let zero = simd.splat_f64s(0.0);
     let (mut largest, mut total) = (zero, zero);
     visit(
@@ -25,7 +26,13 @@ pub fn residual<S: Simd>(simd: S, r: &[f64], point: &Point, floor: f64) -> f64 {
     if !simd.reduce_sum_f64s(total).is_finite() {
         return f64::NAN;
     }
-    let floor = simd.splat_f64s((floor * simd.reduce_max_f64s(largest)).max(f64::MIN_POSITIVE));
+    let has_friction = least_bound > 0.0;
+    let least = if has_friction {
+        least_bound
+    } else {
+        (floor * simd.reduce_max_f64s(largest)).max(f64::MIN_POSITIVE)
+    };
+    let least = simd.splat_f64s(least);
     let mut worst = zero;
     visit(
         simd,
@@ -35,7 +42,12 @@ pub fn residual<S: Simd>(simd: S, r: &[f64], point: &Point, floor: f64) -> f64 {
             let at_rest = simd.sub_f64s(simd.abs_f64s(y), bound);
             let slipping = simd.abs_f64s(simd.add_f64s(y, with_sign(simd, bound, w)));
             let violation = simd.select_f64s(simd.equal_f64s(w, zero), at_rest, slipping);
-            let relative = simd.div_f64s(violation, larger(simd, scale(simd, r, y, bound), floor));
+            let own = if has_friction {
+                bound
+            } else {
+                scale(simd, r, y, bound)
+            };
+            let relative = simd.div_f64s(violation, larger(simd, own, least));
             worst = larger(simd, worst, relative);
         },
     );

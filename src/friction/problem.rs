@@ -5,7 +5,7 @@ use super::law::FrictionLaw;
 use super::plane;
 use super::point::Point;
 use crate::linalg::lanes::visit;
-use crate::linalg::{length, multiply};
+use crate::linalg::{column, length, multiply};
 use faer::MatRef;
 use pulp::Simd;
 
@@ -27,19 +27,30 @@ pub struct ContactProblem<'a, L> {
     pub theta_k: f64,
 }
 
-/// Where the friction law is violated most.
-struct Worst {
-    residual: f64,
-    node: usize,
-    /// Forces that meet there, N.
-    scale: f64,
-    /// Largest forces that meet at a node, N.
-    largest_scale: f64,
+/// What the violated forces of a point are measured against.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Yardstick {
+    /// Smallest bound that a node is measured against, N; zero where there is no friction at all.
+    least_bound: f64,
+}
+
+/// What the nodes of a point are measured against at least, N: their bounds, or, where there are none, the forces that meet.
+#[derive(Clone, Copy)]
+struct Measure {
+    least_bound: f64,
+    least_forces: f64,
 }
 
 /// A per-node quantity below this share of the largest one is measured against that share: a node that carries
 /// practically nothing must not dictate the stop.
 const SCALE_FLOOR: f64 = 1e-3;
+/// Share of `eps (|S| |w| + |r|)` by which a node may violate the friction law where rounding allows for no less: the last
+/// digits of the slip rates alone make a half of it.
+const ROUNDING: f64 = 1.0;
+/// Largest share of the forces that meet at a node that is ever left to rounding.
+pub const LARGEST_FLOOR: f64 = 1e-8;
+/// Below this slip rate, m/s, underflow takes digits from the direction of slip: a slower node is at rest.
+pub const SLOWEST: f64 = f64::MIN_POSITIVE / f64::EPSILON;
 
 impl<L: FrictionLaw> ContactProblem<'_, L> {
     #[inline(always)]
@@ -121,63 +132,117 @@ impl<L: FrictionLaw> ContactProblem<'_, L> {
         self.law.evaluate_all(nodes, &mut point.law);
     }
 
-    /// Residual of the friction law: the largest over the nodes of the violated force divided by the forces that meet
-    /// there. A node with `w = 0` violates by what exceeds its bound at rest. NaN where a force is not a number.
+    /// What the violated forces of a point are measured against; it does not change in a solve.
+    pub fn yardstick(&self) -> Yardstick {
+        let bounds = (0..self.nodes()).map(|node| self.bound_at_rest(node));
+        Yardstick {
+            least_bound: SCALE_FLOOR * bounds.fold(0.0, f64::max),
+        }
+    }
+
+    /// Residual of the friction law: the largest over the nodes of the violated force divided by the bound of the node, those
+    /// bounds not below a share of the largest one at rest; where there is no friction, by the forces that meet. A node with
+    /// `w = 0` violates by what exceeds its bound at rest. NaN where a force is not a number.
     #[inline(always)]
-    pub fn residual<S: Simd>(&self, simd: S, point: &Point) -> f64 {
+    pub fn residual<S: Simd>(&self, simd: S, point: &Point, yardstick: Yardstick) -> f64 {
         if self.components == 1 {
-            plane::residual(simd, self.r, point, SCALE_FLOOR)
+            plane::residual(simd, self.r, point, yardstick.least_bound, SCALE_FLOOR)
         } else {
-            self.worst_node(point).0
+            self.worst_node(point, yardstick).0
         }
     }
 
     /// The residual and the node where it is largest.
     #[inline(never)]
-    pub fn worst_node(&self, point: &Point) -> (f64, usize) {
-        let found = self.worst_above(point, 0.0);
-        let floor = SCALE_FLOOR * found.largest_scale;
-        // a floor makes no node worse: where it is not the worst one's, it changes nothing
-        let found = if found.scale < floor {
-            self.worst_above(point, floor)
-        } else {
-            found
-        };
-        (found.residual, found.node)
-    }
-
-    /// The node with the largest violated force over the forces that meet there, those not below `floor`.
-    #[inline(always)]
-    fn worst_above(&self, point: &Point, floor: f64) -> Worst {
-        let mut worst = Worst {
-            residual: 0.0,
-            node: 0,
-            scale: f64::INFINITY,
-            largest_scale: 0.0,
-        };
-        for node in 0..self.nodes() {
-            // applied, of the body (S w = y + r), of friction
-            let mut body = [0.0; 2];
-            for (body, i) in body.iter_mut().zip(self.at(node)) {
-                *body = point.y[i] + self.r[i];
-            }
-            let bound = point.law.bound[node];
-            let scale = norm(&self.r[self.at(node)]) + norm(&body[..self.components]) + bound;
-            worst.largest_scale = worst.largest_scale.max(scale);
-            let violation = self.violation(node, point);
-            if violation == 0.0 {
-                continue;
-            }
-            let residual = violation / scale.max(floor);
+    pub fn worst_node(&self, point: &Point, yardstick: Yardstick) -> (f64, usize) {
+        let Some(measure) = self.measure(point, yardstick) else {
             // NaN must not pass for converged
-            if residual > worst.residual || residual.is_nan() {
-                (worst.residual, worst.node, worst.scale) = (residual, node, scale);
-            }
-            if residual.is_nan() {
-                break;
+            return (f64::NAN, 0);
+        };
+        let mut worst = (0.0, 0);
+        for node in 0..self.nodes() {
+            let residual = self.violation(node, point) / self.own_forces(node, point, measure);
+            if residual > worst.0 {
+                worst = (residual, node);
             }
         }
         worst
+    }
+
+    /// What the nodes of a point are measured against; `None` where a force is not finite.
+    fn measure(&self, point: &Point, yardstick: Yardstick) -> Option<Measure> {
+        let scales = (0..self.nodes()).map(|node| self.forces_that_meet(node, point));
+        let (largest, total) = scales.fold((0.0, 0.0), |(largest, total): (f64, f64), scale| {
+            (largest.max(scale), total + scale)
+        });
+        total.is_finite().then_some(Measure {
+            least_bound: yardstick.least_bound,
+            least_forces: (SCALE_FLOOR * largest).max(f64::MIN_POSITIVE),
+        })
+    }
+
+    /// Force against which the violation at a node is measured, N.
+    fn own_forces(&self, node: usize, point: &Point, measure: Measure) -> f64 {
+        if measure.least_bound > 0.0 {
+            point.law.bound[node].max(measure.least_bound)
+        } else {
+            self.forces_that_meet(node, point).max(measure.least_forces)
+        }
+    }
+
+    /// Forces that meet at a node, N: applied, of the body (S w = y + r), of friction.
+    fn forces_that_meet(&self, node: usize, point: &Point) -> f64 {
+        let mut body = [0.0; 2];
+        for (body, i) in body.iter_mut().zip(self.at(node)) {
+            *body = point.y[i] + self.r[i];
+        }
+        norm(&self.r[self.at(node)]) + norm(&body[..self.components]) + point.law.bound[node]
+    }
+
+    /// Largest violated force over the forces that meet at a node; NaN where one is not a number.
+    pub fn largest_imbalance(&self, point: &Point) -> f64 {
+        self.worst_node(point, Yardstick::default()).0
+    }
+
+    /// What is left of the residual of an exact point when rounding is taken into account; `None` where some node violates
+    /// by more than `tolerance` times its bound and more than rounding.
+    ///
+    /// The forces of the body are known to `eps (|S| |w| + |r|)` at best, times [`ROUNDING`], and rounding is no excuse for
+    /// more than [`LARGEST_FLOOR`] of the forces that meet. What is left counts over the forces that meet at such a node.
+    #[inline(never)]
+    pub fn residual_beyond_rounding(
+        &self,
+        point: &Point,
+        yardstick: Yardstick,
+        tolerance: f64,
+    ) -> Option<f64> {
+        let measure = self.measure(point, yardstick)?;
+        let mut left: f64 = 0.0;
+        for node in 0..self.nodes() {
+            let own = self.own_forces(node, point, measure);
+            let violation = self.violation(node, point);
+            if violation <= tolerance * own {
+                left = left.max(violation / own);
+                continue;
+            }
+            let scale = self.forces_that_meet(node, point).max(measure.least_forces);
+            // NaN is beyond rounding
+            if !(violation <= LARGEST_FLOOR * scale && violation <= self.rounding(node, point)) {
+                return None;
+            }
+            left = left.max(violation / scale);
+        }
+        Some(left)
+    }
+
+    /// What rounding leaves unknown of the forces at a node, N.
+    fn rounding(&self, node: usize, point: &Point) -> f64 {
+        let mut sum = point.law.bound[node];
+        for i in self.at(node) {
+            let products = column(self.s, i).iter().zip(&point.w);
+            sum += self.r[i].abs() + products.map(|(s, w)| (s * w).abs()).sum::<f64>();
+        }
+        ROUNDING * f64::EPSILON * sum
     }
 
     /// Violated force at a node, N.
@@ -193,6 +258,25 @@ impl<L: FrictionLaw> ContactProblem<'_, L> {
             *v = y + bound * (w / rate);
         }
         norm(&violated[..self.components])
+    }
+
+    /// Contact forces Lambda of a point, N: a node that slips carries exactly its bound against the slip rate, one that sticks
+    /// what the body asks for, within its bound.
+    pub fn forces(&self, point: &Point, force: &mut [f64]) {
+        for (node, force) in force.chunks_exact_mut(self.components).enumerate() {
+            let (rate, bound) = (point.rates[node], point.law.bound[node]);
+            let (w, y) = (&point.w[self.at(node)], &point.y[self.at(node)]);
+            let pull = norm(y);
+            for (i, force) in force.iter_mut().enumerate() {
+                *force = if rate > 0.0 {
+                    bound * (w[i] / rate)
+                } else if pull > bound {
+                    -bound * (y[i] / pull)
+                } else {
+                    -y[i]
+                };
+            }
+        }
     }
 
     /// How W changes from one point to another.

@@ -25,7 +25,7 @@ const TERMS: std::ops::RangeInclusive<usize> = 4..=96;
 const HALVINGS: usize = 10;
 /// Largest curvature across the slip direction, in units of the node's own stiffness: a node just about to stop has
 /// practically a fixed direction, and what it does along it must survive the sum with this.
-const LARGEST_ACROSS: f64 = 1e8;
+pub const LARGEST_ACROSS: f64 = 1e8;
 
 /// Terms allowed for this many contact components.
 pub fn most_terms(len: usize) -> usize {

@@ -6,6 +6,7 @@
 //! ```text
 //! sticking nodes:  dw = 0
 //! slipping nodes:  (S + D) dw = dr - omega g_s ds n,   D = omega [g' n n^T + (g / |w|) (I - n n^T)]
+//! forces:          dLambda = dr - S dw where a node sticks, D dw + omega g_s ds n where it slips
 //! ```
 
 use super::law::FrictionLaw;
@@ -22,6 +23,8 @@ pub(crate) struct FrictionTangent {
     direction: Vec<f64>,
     /// `omega g_s` of every node.
     slip_slope: Vec<f64>,
+    /// D of the slipping nodes, in the order of their places.
+    blocks: Vec<[[f64; 2]; 2]>,
     factor: Option<PartialPivLu<f64>>,
 }
 
@@ -78,6 +81,7 @@ impl FrictionTangent {
             free,
             direction,
             slip_slope,
+            blocks,
             factor,
         }
     }
@@ -100,6 +104,19 @@ impl FrictionTangent {
         let nodes = dw.chunks_exact(c).zip(self.direction.chunks_exact(c));
         for (magnitude, (dw, n)) in magnitude.iter_mut().zip(nodes) {
             *magnitude = dw.iter().zip(n).map(|(a, b)| a * b).sum();
+        }
+    }
+    /// Derivatives of the contact forces of the law, from those of slip rates, accumulated slip and forces of balance.
+    pub fn forces(&self, dw: &[f64], slip: &[f64], reaction: &[f64], force: &mut [f64]) {
+        let c = self.components;
+        force.copy_from_slice(reaction);
+        for (free, block) in self.free.chunks_exact(c).zip(&self.blocks) {
+            let (first, node) = (free[0], free[0] / c);
+            for (p, row) in block.iter().enumerate().take(c) {
+                let own = self.slip_slope[node] * slip[node] * self.direction[first + p];
+                let along = row.iter().zip(&dw[first..first + c]);
+                force[first + p] = own + along.map(|(d, dw)| d * dw).sum::<f64>();
+            }
         }
     }
 }

@@ -24,8 +24,10 @@ pub fn pivoted_cholesky(
     smallest: f64,
 ) -> Result<(Vec<usize>, Mat<f64>)> {
     let size = a.nrows();
-    if size == 0 {
-        return Ok((Vec::new(), a));
+    let diagonal = (0..size).map(|j| a[(j, j)]);
+    // where nothing is above the smallest pivot, the factor would be made of the rounding errors of zeros
+    if diagonal.clone().all(|d| (0.0..=smallest).contains(&d)) {
+        return Ok((Vec::new(), Mat::zeros(0, 0)));
     }
     let (mut order, mut inverse) = (vec![0_usize; size], vec![0_usize; size]);
     let scratch = cholesky_in_place_scratch::<usize, f64>(size, Par::Seq, Default::default());
@@ -71,4 +73,29 @@ pub fn symmetric_eigenvalues(what: &str, a: MatRef<f64>) -> Result<Vec<f64>> {
         .map_err(|_| Error::Body {
             what: format!("the eigenvalues of {what} cannot be computed"),
         })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pivoted_factor_stops_where_nothing_is_left() {
+        let rows = |scale: f64| {
+            Mat::from_fn(3, 2, |i, j| {
+                scale * ((i + 1) * (j + 2)) as f64 + (i * j) as f64
+            })
+        };
+        let gram = |a: Mat<f64>| &a * a.transpose();
+        let (order, lower) = pivoted_cholesky("a", gram(rows(1.0)), 1e-12).unwrap();
+        assert_eq!((order.len(), lower.nrows()), (2, 2));
+        // nothing at all, or nothing but rounding, and no rows at all
+        for empty in [Mat::zeros(3, 3), gram(rows(1e-9)), Mat::zeros(0, 0)] {
+            let (order, lower) = pivoted_cholesky("a", empty.clone(), 1e-12).unwrap();
+            assert_eq!(order.len(), lower.nrows());
+            assert!(order.len() <= 1, "{empty:?}");
+        }
+        assert!(pivoted_cholesky("a", Mat::from_fn(2, 2, |_, _| f64::NAN), 1e-12).is_err());
+        assert!(pivoted_cholesky("a", Mat::from_fn(1, 1, |_, _| -1.0), 1e-12).is_err());
+    }
 }

@@ -38,7 +38,10 @@ pub(super) fn refine(plane: &mut CrissCross, refinements: &[Refinement]) -> Resu
             if nodes as u64 > u64::from(MAX_NODES) {
                 return Err(scene_error(
                     &format!("mesh.refine[{i}].size"),
-                    format!("{}, which makes {nodes} nodes", refinement.size),
+                    format!(
+                        "{}, which makes {nodes} nodes",
+                        crate::message::number(refinement.size)
+                    ),
                     format!("at most {MAX_NODES} nodes"),
                 ));
             }

@@ -92,7 +92,7 @@ impl Mesh {
             Some(faces) => Ok(faces.chunks_exact(self.nodes_per_face())),
             None => Err(scene_error(
                 path,
-                format!("\"{part}\""),
+                format!("{:?}", crate::message::cut(part)),
                 format!(
                     "the parts of the mesh: {}",
                     self.parts.keys().cloned().collect::<Vec<_>>().join(", ")
@@ -159,7 +159,7 @@ fn check(spec: &MeshSpec) -> Result<()> {
         if !(length.is_finite() && length > 0.0) {
             return Err(scene_error(
                 &format!("mesh.size[{i}]"),
-                length.to_string(),
+                crate::message::number(length).to_string(),
                 "a positive length".to_string(),
             ));
         }

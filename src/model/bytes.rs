@@ -9,7 +9,7 @@ use super::field::Field;
 use super::full::Full;
 use super::parts::Parts;
 use super::reduced::Reduced;
-use super::{BodyModel, Model, ReductionRecord};
+use super::{BodyModel, Model, ReductionRecord, ensure_available};
 use crate::bytes::{Frame, Reader, Writer};
 use crate::error::{Error, Result};
 use crate::fem::ContactPatch;
@@ -22,7 +22,7 @@ use xxhash_rust::xxh3::xxh3_64;
 const FRAME: Frame = Frame {
     magic: *b"SLIPMODL",
     // also to be raised when states or steps of models with equal bytes are no longer interchangeable
-    format: 3,
+    format: 4,
     what: "compiled model",
 };
 
@@ -33,6 +33,10 @@ impl Model {
         self.write(&mut out);
         // how the setting was found is told, but makes no other model of it
         Selection::write(self.summary.selection.as_ref(), &mut out);
+        let fallback = self.summary.fallback.as_deref();
+        out.word(u64::from(fallback.is_some()));
+        fallback.iter().for_each(|why| out.text(why));
+        out.float(self.summary.lost_digits);
         out.seal(&FRAME, self.fingerprint)
     }
 
@@ -46,21 +50,20 @@ impl Model {
         let scene = from.text()?;
         let scene: Scene = serde_json::from_str(scene)
             .map_err(|e| Reader::refusal(format!("compiled model: its scene is refused: {e}")))?;
+        scene
+            .validate("compiled model")
+            .map_err(|error| Reader::refusal(error.to_string()))?;
         let parts = read_parts(&mut from, &scene)?;
         from.finish()?;
-        if !(scene.time.step.is_finite() && scene.time.step > 0.0) {
-            return Err(Reader::refusal("compiled model: time.step is not positive"));
-        }
-        if scene
-            .time
-            .tolerance
-            .is_some_and(|t| !(t.is_finite() && t > 0.0))
-        {
-            return Err(Reader::refusal(
-                "compiled model: time.tolerance is not positive",
-            ));
-        }
         let model = Model::new(&scene, parts)?;
+        let (needed, limit) = (model.simulator_bytes(), scene.fidelity.memory_limit());
+        if needed as f64 > limit {
+            return Err(Reader::refusal(format!(
+                "compiled model: a simulator takes {needed} bytes, more than the {limit} of fidelity.memory_limit"
+            )));
+        }
+        ensure_available("a simulator of the model", needed)
+            .map_err(|error| Reader::refusal(error.to_string()))?;
         if model.fingerprint != fingerprint {
             return Err(Error::Fingerprint {
                 expected: fingerprint,
@@ -116,13 +119,28 @@ fn read_parts(from: &mut Reader, scene: &Scene) -> Result<Parts> {
     if dimension != scene.mesh.dimension() {
         return Err(Reader::refusal("compiled model: dimension of the scene"));
     }
-    let rates = array(from)?;
-    let (shifts, achieved) = (from.floats()?, from.float()?);
+    let most = u32::MAX as usize;
+    if mesh_nodes > most || mesh_cells > most || free_dofs > most {
+        return Err(Reader::refusal("compiled model: sizes of the mesh"));
+    }
+    let rates: [f64; 2] = array(from)?;
+    let (shifts, achieved) = (from.finite()?, from.float()?);
     let [x, y] = array(from)?;
     let [c0_squared, l_g, m_a, l_b, sharp_instant, sharp_step] = array(from)?;
-    let measures = from.floats()?;
+    let measures = from.finite()?;
     if measures.len() != scene.loads.len() {
         return Err(Reader::refusal("compiled model: number of loads"));
+    }
+    let is_positive = |values: &[f64]| values.iter().all(|v| *v > 0.0);
+    let is_possible = is_positive(&rates)
+        && is_positive(&measures)
+        && is_positive(&[c0_squared, m_a, l_b, sharp_instant, sharp_step])
+        && l_g >= 0.0
+        && achieved.is_finite();
+    if !is_possible {
+        return Err(Reader::refusal(
+            "compiled model: rates, measures or certificate",
+        ));
     }
     let contact = read_contact(from, dimension - 1)?;
     let loads = scene.loads.len();
@@ -161,6 +179,11 @@ fn read_parts(from: &mut Reader, scene: &Scene) -> Result<Parts> {
         free_dofs,
         rates,
         selection: Selection::read(from)?,
+        fallback: match from.word()? {
+            0 => None,
+            _ => Some(from.text()?.to_owned()),
+        },
+        lost_digits: from.float()?,
     })
 }
 
@@ -182,7 +205,7 @@ fn read_kind(from: &mut Reader) -> Result<ModelKind> {
 }
 
 fn array<const N: usize>(from: &mut Reader) -> Result<[f64; N]> {
-    let values = from.floats()?;
+    let values = from.finite()?;
     let found = values.len();
     <[f64; N]>::try_from(values)
         .map_err(|_| Reader::refusal(format!("expected {N} numbers, found {found}")))
@@ -199,12 +222,14 @@ fn write_contact(contact: &ContactPatch, out: &mut Writer) {
 
 fn read_contact(from: &mut Reader, components: usize) -> Result<ContactPatch> {
     let nodes = from.indices(u32::MAX as usize)?;
-    let (points, weights, tangents) = (from.floats()?, from.floats()?, from.floats()?);
+    let (points, weights, tangents) = (from.finite()?, from.finite()?, from.finite()?);
+    let faces = from.size()?;
     let count = nodes.len();
     let is_consistent = points.len() == 3 * count
         && weights.len() == count
         && tangents.len() == 6 * count
         && count > 0
+        && faces <= u32::MAX as usize
         && weights.iter().all(|w| *w > 0.0);
     if !is_consistent {
         return Err(Reader::refusal("compiled model: arrays of the contact"));
@@ -219,6 +244,6 @@ fn read_contact(from: &mut Reader, components: usize) -> Result<ContactPatch> {
             .map(|v| [vector(&v[..3]), vector(&v[3..])])
             .collect(),
         components,
-        faces: from.size()?,
+        faces,
     })
 }

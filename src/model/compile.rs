@@ -4,11 +4,16 @@
 use super::Model;
 use super::body_model::BodyModel;
 use super::condensed::Condensed;
+use super::digits::Ends;
 use super::field::Field;
 use super::full::Full;
+use super::memory::Sizes;
 use super::parts::Parts;
+use super::port_matrix::PortMatrix;
+use super::progress::{Observer, Phase, Watch};
 use super::reduced::Reduced;
 use super::reduction::{Reduction, Synthesis, reduce};
+use super::transfer::Sampler;
 use crate::error::{Error, Result};
 use crate::fem::Body;
 use crate::friction::Law;
@@ -17,15 +22,26 @@ use crate::mesh::Mesh;
 use crate::qvi::{Tableau, certify, sharp_constant, sharp_constant_of_compliance, strain_weights};
 use crate::scene::{ModelKind, Scene};
 use crate::tradeoff::{Selection, select};
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
 /// Compiles a scene.
 ///
 /// # Errors
-/// [`Error::Scene`] and [`Error::Body`] for a scene without a usable body, [`Error::ReductionInaccurate`] when the
-/// reduction asked for is out of reach, [`Error::Scene`] at `fidelity.target_error` for a target out of reach.
+/// [`Error::Scene`] and [`Error::Body`] for a scene without a usable body or beyond `fidelity.memory_limit`;
+/// [`Error::ReductionInaccurate`] when the reduction asked for is out of reach; [`Error::LostDigits`] when 64-bit numbers lose
+/// more of the body than `fidelity.tolerance`; [`Error::Unstable`] for an explicit scheme beyond its stability limit without
+/// `time.force`; [`Error::Scene`] at `fidelity.target_error` for a target out of reach.
 pub fn compile(scene: &Scene) -> Result<Arc<Model>> {
     Compilation::new(scene).map(|c| c.model)
+}
+
+/// Compiles a scene and tells `observer` where that stands; it may stop it.
+///
+/// # Errors
+/// Those of [`compile`]; [`Error::Cancelled`].
+pub fn compile_with(scene: &Scene, observer: &mut Observer) -> Result<Arc<Model>> {
+    Compilation::with(scene, observer).map(|c| c.model)
 }
 
 /// A compiled scene together with the body it was made from, for pictures and files.
@@ -44,12 +60,26 @@ impl Compilation {
     /// # Errors
     /// Those of [`compile`].
     pub fn new(scene: &Scene) -> Result<Compilation> {
+        Compilation::with(scene, &mut |_| ControlFlow::Continue(()))
+    }
+
+    /// The same, and tells `observer` where it stands.
+    ///
+    /// # Errors
+    /// Those of [`compile_with`].
+    pub fn with(scene: &Scene, observer: &mut Observer) -> Result<Compilation> {
+        let mut watch = Watch::new(observer);
         let (scene, selection) = match scene.fidelity.target_error {
-            Some(target) => select(scene, target).map(|(scene, found)| (scene, Some(found)))?,
+            Some(target) => {
+                let (scene, found) = select(scene, target, &mut watch)?;
+                (scene, Some(found))
+            }
             None => (scene.clone(), None),
         };
+        watch.report(Phase::Assembly, 0.0)?;
+        Sizes::of_scene(&scene).check(&scene)?;
         let mesh = Mesh::generate(&scene.mesh)?;
-        Compilation::of(scene, mesh, selection)
+        Compilation::of(scene, mesh, selection, &mut watch)
     }
 
     /// Compiles a scene on a mesh of the caller, which has the parts the scene names.
@@ -61,23 +91,37 @@ impl Compilation {
             return Err(Error::Scene {
                 source_name: scene.name.clone(),
                 path: "fidelity.target_error".to_owned(),
-                found: target.to_string(),
+                found: crate::message::number(target).to_string(),
                 allowed: "nothing on a mesh that is given".to_owned(),
             });
         }
-        Compilation::of(scene.clone(), mesh, None)
+        let mut silent = |_| ControlFlow::Continue(());
+        Compilation::of(scene.clone(), mesh, None, &mut Watch::new(&mut silent))
     }
 
-    fn of(scene: Scene, mesh: Mesh, selection: Option<Selection>) -> Result<Compilation> {
+    fn of(
+        scene: Scene,
+        mesh: Mesh,
+        selection: Option<Selection>,
+        watch: &mut Watch,
+    ) -> Result<Compilation> {
+        watch.report(Phase::Assembly, 0.05)?;
         let body = Body::assemble_on(&scene, mesh)?;
+        watch.report(Phase::Assembly, 0.1)?;
         let operators = &body.operators;
         let cholesky = SparseCholesky::new(
             &operators.col_ptr,
             &operators.row_idx,
             &body.interior_places(),
         )?;
-        let kept = keep(&scene, &body, &cholesky)?;
+        refuse_unstable(&scene, &body)?;
+        let sizes = Sizes::of_body(&scene, &body, cholesky.len());
+        sizes.check(&scene)?;
+        watch.report(Phase::Reduction, 0.2)?;
+        let kept = keep(&scene, &body, &cholesky, &sizes, watch)?;
+        watch.report(Phase::Certificate, 0.85)?;
         let model = finish(&scene, &body, &cholesky, &kept, selection)?;
+        watch.report(Phase::Certificate, 1.0)?;
         Ok(Compilation {
             model: Arc::new(model),
             scene,
@@ -93,6 +137,7 @@ impl Compilation {
     /// # Errors
     /// Those of [`compile`].
     pub(crate) fn again(&self, scene: &Scene) -> Result<Arc<Model>> {
+        refuse_unstable(scene, &self.body)?;
         finish(scene, &self.body, &self.cholesky, &self.kept, None).map(Arc::new)
     }
 
@@ -105,6 +150,16 @@ impl Compilation {
             Some(synthesis) => synthesis.field(&self.body, &self.cholesky, states),
             None => Ok(states.to_vec()),
         }
+    }
+}
+
+/// An explicit scheme beyond its stability limit gives numbers that mean nothing.
+fn refuse_unstable(scene: &Scene, body: &Body) -> Result<()> {
+    let step = scene.time.step;
+    let limit = Tableau::of(scene.time.scheme).stability_limit(body.element_rates[1]);
+    match limit {
+        Some(limit) if step > limit && !scene.time.force => Err(Error::Unstable { step, limit }),
+        _ => Ok(()),
     }
 }
 
@@ -138,6 +193,8 @@ fn finish(
         free_dofs: body.len(),
         rates: body.element_rates,
         selection,
+        fallback: kept.fallback.clone(),
+        lost_digits: kept.lost_digits,
         body: kept.model.shared(),
     };
     Model::new(scene, parts)
@@ -164,43 +221,80 @@ struct Kept {
     model: KeptModel,
     reduction: Option<super::ReductionRecord>,
     synthesis: Option<Synthesis>,
+    /// Why `auto` kept the whole mesh.
+    fallback: Option<String>,
+    /// Relative error by rounding.
+    lost_digits: f64,
 }
 
-fn keep(scene: &Scene, body: &Body, cholesky: &SparseCholesky) -> Result<Kept> {
-    let whole = |kind, model| Kept {
+/// Decides what is kept. Whatever it is, the body is judged first, by the same numbers: a scene of which too little survives
+/// is refused with every model.
+fn keep(
+    scene: &Scene,
+    body: &Body,
+    cholesky: &SparseCholesky,
+    sizes: &Sizes,
+    watch: &mut Watch,
+) -> Result<Kept> {
+    let [slowest, fastest] = body.element_rates;
+    let reference_rate = (slowest * fastest).sqrt();
+    let ports = PortMatrix::new(body);
+    let mut sampler = Sampler::new(&ports, &body.operators, cholesky, reference_rate);
+    let ends = Ends::new(&mut sampler, body)?;
+    ends.check(scene.fidelity.tolerance)?;
+    let whole = |kind, model, fallback| Kept {
         kind,
         model: KeptModel::Whole(model),
         reduction: None,
         synthesis: None,
+        fallback,
+        lost_digits: ends.lost_digits,
     };
-    let condensed = || -> Result<Kept> {
+    let condensed = |fallback| -> Result<Kept> {
         let model = Arc::new(Condensed(Field::new(body)?));
-        Ok(whole(ModelKind::Condensed, model))
+        Ok(whole(ModelKind::Condensed, model, fallback))
     };
     let reduced = |reduction: Reduction| Kept {
         kind: ModelKind::Reduced,
         model: KeptModel::Reduced(Arc::new(reduction.reduced)),
         reduction: Some(reduction.record),
         synthesis: Some(reduction.synthesis),
+        fallback: None,
+        lost_digits: ends.lost_digits,
     };
-    let reduction = || reduce(body, cholesky, &scene.fidelity);
+    let mut reduction = || {
+        sizes.check_reduction(scene)?;
+        reduce(body, &mut sampler, &ends, &scene.fidelity, watch)
+    };
     match scene.fidelity.model {
-        ModelKind::Full => Ok(whole(ModelKind::Full, Arc::new(Full(Field::new(body)?)))),
-        ModelKind::Condensed => condensed(),
+        ModelKind::Full => {
+            let model = Arc::new(Full(Field::new(body)?));
+            Ok(whole(ModelKind::Full, model, None))
+        }
+        ModelKind::Condensed => condensed(None),
         ModelKind::Reduced => Ok(reduced(reduction()?)),
         ModelKind::Auto => match reduction() {
-            Ok(reduction) if is_reduction_cheaper(&reduction, body, cholesky) => {
-                Ok(reduced(reduction))
-            }
-            Ok(_) | Err(Error::ReductionInaccurate { .. }) => condensed(),
-            Err(error) => Err(error),
+            Ok(found) => match dearer_step(&found, body, cholesky) {
+                None => Ok(reduced(found)),
+                Some(why) => condensed(Some(why)),
+            },
+            Err(Error::Cancelled { phase }) => Err(Error::Cancelled { phase }),
+            // the whole mesh needs no reduction, whatever is wrong with it
+            Err(error) => condensed(Some(error.to_string())),
         },
     }
 }
 
-/// Compares the multiplications of a step: two passes over the port matrix, or over the factor and once over B.
-fn is_reduction_cheaper(reduction: &Reduction, body: &Body, cholesky: &SparseCholesky) -> bool {
+/// Compares the multiplications of a step: two passes over the port matrix, or over the factor and once over B. `None` where
+/// the reduced model takes fewer.
+fn dearer_step(reduction: &Reduction, body: &Body, cholesky: &SparseCholesky) -> Option<String> {
     let reduced = &reduction.reduced;
     let ports = reduced.contact.ncols() + reduced.outputs.ncols();
-    2 * ports * reduced.rates.len() < 2 * (cholesky.len() + body.operators.row_idx.len())
+    let of_reduced = 2 * ports * reduced.rates.len();
+    let of_condensed = 2 * (cholesky.len() + body.operators.row_idx.len());
+    (of_reduced >= of_condensed).then(|| {
+        format!(
+            "a step of the reduced model takes {of_reduced} multiplications, one of the condensed model {of_condensed}"
+        )
+    })
 }

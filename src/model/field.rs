@@ -1,6 +1,6 @@
 //! What the full and the condensed model share: the sparse operators, their symbolic factor, loads and outputs.
 
-use crate::bytes::{Reader, Writer};
+use crate::bytes::{LARGEST, Reader, Writer, is_usable};
 use crate::error::Result;
 use crate::fem::{Body, OperatorPair};
 use crate::linalg::{DenseCholesky, SparseCholesky};
@@ -140,7 +140,7 @@ impl Field {
         let col_ptr = from.indices(usize::MAX)?;
         let row_idx = from.indices(n)?;
         let order = from.indices(n)?;
-        let (a, b) = (from.floats()?, from.floats()?);
+        let (a, b) = (from.finite()?, from.finite()?);
         let entries = row_idx.len();
         let is_lower_triangle = col_ptr.len() == n.saturating_add(1)
             && col_ptr[0] == 0
@@ -154,13 +154,19 @@ impl Field {
         if !is_lower_triangle || a.len() != entries || b.len() != entries || contact_len > n {
             return Err(Reader::refusal("the pattern of the operators is not one"));
         }
+        let diagonal = || col_ptr[..n].iter().copied();
+        if !diagonal().all(|at| a[at] * LARGEST >= 1.0 && b[at] * LARGEST >= 1.0) {
+            return Err(Reader::refusal(
+                "the diagonal of an operator is not positive",
+            ));
+        }
         let mut sparse = || -> Result<SparseVector> {
             let count = from.size()?;
             let mut vector = SparseVector::new();
             for _ in 0..count {
                 let (dof, value) = (from.size()?, from.float()?);
-                if dof >= n {
-                    return Err(Reader::refusal(format!("dof {dof} of {n}")));
+                if dof >= n || !is_usable(value) {
+                    return Err(Reader::refusal(format!("{value} at dof {dof} of {n}")));
                 }
                 vector.push((dof, value));
             }

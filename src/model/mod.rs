@@ -5,12 +5,15 @@ mod body_model;
 mod bytes;
 mod compile;
 mod condensed;
+mod digits;
 mod field;
 mod fields;
 mod full;
 mod galerkin;
+mod memory;
 mod parts;
 mod port_matrix;
+mod progress;
 mod reduced;
 mod reduction;
 mod responses;
@@ -20,10 +23,14 @@ mod shifts;
 mod synthesis;
 mod transfer;
 mod turn;
+mod whole;
 mod zolotarev;
 
 pub use body_model::{BodyModel, Scratch, Stage, StageCache};
-pub use compile::{Compilation, compile};
+pub use compile::{Compilation, compile, compile_with};
+pub(crate) use memory::ensure_available;
+pub(crate) use progress::Watch;
+pub use progress::{Observer, Phase, Progress};
 pub use reduction::ReductionRecord;
 
 use crate::fem::ContactPatch;
@@ -32,6 +39,7 @@ use crate::friction::fixed_point::FixedPoint;
 use crate::ports::Ports;
 use crate::qvi::{Certificate, Tableau};
 use crate::scene::{Interpolation, ModelKind, Scene, Start};
+use crate::step_control;
 use crate::tradeoff::Selection;
 use std::sync::Arc;
 
@@ -92,6 +100,10 @@ pub struct Summary {
     pub kind: ModelKind,
     /// Shifts and error of the reduction, where there is one.
     pub reduction: Option<ReductionRecord>,
+    /// Why `auto` kept the whole mesh instead of a reduced model; `None` where it did not, or was not asked.
+    pub fallback: Option<String>,
+    /// Relative error that 64-bit numbers leave in the responses of the body, by estimate.
+    pub lost_digits: f64,
     /// Slowest and fastest relaxation rate of the material, 1/s.
     pub rates: [f64; 2],
     /// What was picked for `fidelity.target_error`, where the scene had one.
@@ -120,6 +132,7 @@ pub struct Model {
     summary: Summary,
     scene: Scene,
     fingerprint: u64,
+    state_bytes: usize,
 }
 
 impl Model {
@@ -167,6 +180,27 @@ impl Model {
     /// Largest stable step for an explicit scheme, s.
     pub fn stability_limit(&self) -> Option<f64> {
         self.tableau.stability_limit(self.summary.rates[1])
+    }
+
+    /// Bytes that a simulator takes: three states, the factors of its last step sizes, matrices of contact order. An estimate.
+    pub fn simulator_bytes(&self) -> usize {
+        let contact = self.contact.len();
+        let square = contact.saturating_mul(contact);
+        let stages = step_control::sizes_kept(self)
+            .saturating_mul(square.saturating_add(self.body.factor_len()));
+        let vectors = self.states().saturating_mul(20);
+        let numbers = square
+            .saturating_mul(6)
+            .saturating_add(stages)
+            .saturating_add(vectors);
+        numbers
+            .saturating_mul(8)
+            .saturating_add(self.state_bytes.saturating_mul(3))
+    }
+
+    /// Bytes of a serialized state.
+    pub fn state_bytes(&self) -> usize {
+        self.state_bytes
     }
 
     /// The friction law with the coefficients of the scene.

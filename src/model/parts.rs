@@ -9,6 +9,7 @@ use crate::friction::fixed_point::FixedPoint;
 use crate::ports::{Ports, Shapes};
 use crate::qvi::{Certificate, Tableau};
 use crate::scene::{ElementKind, FrictionSolver, LoadKind, ModelKind, Run, Scene};
+use crate::state::State;
 use crate::tradeoff::Selection;
 use std::sync::Arc;
 
@@ -29,6 +30,10 @@ pub(super) struct Parts {
     /// Slowest and fastest relaxation rate of the material, 1/s.
     pub rates: [f64; 2],
     pub selection: Option<Selection>,
+    /// Why `auto` kept the whole mesh.
+    pub fallback: Option<String>,
+    /// Relative error by rounding.
+    pub lost_digits: f64,
 }
 
 impl Model {
@@ -69,8 +74,10 @@ impl Model {
                 ..scene.clone()
             },
             fingerprint: 0,
+            state_bytes: 0,
         };
         model.fingerprint = model.compute_fingerprint();
+        model.state_bytes = State::byte_len_of(&model);
         Ok(model)
     }
 }
@@ -90,6 +97,8 @@ fn summary(scene: &Scene, parts: &Parts) -> Summary {
         free_dofs: parts.free_dofs,
         kind: parts.kind,
         reduction: parts.reduction.clone(),
+        fallback: parts.fallback.clone(),
+        lost_digits: parts.lost_digits,
         rates: parts.rates,
         selection: parts.selection.clone(),
         bytes: parts.body.bytes(),

@@ -136,7 +136,14 @@ impl Reduced {
         outputs: usize,
         precision: Precision,
     ) -> Result<Reduced> {
-        let rates = from.floats()?;
+        let rates = from.finite()?;
+        // fewer modes than contact components leave some of them without any motion
+        if !rates.iter().all(|rate| *rate > 0.0) || rates.len() < contact {
+            return Err(Reader::refusal(format!(
+                "{} relaxation rates of {contact} contact components",
+                rates.len()
+            )));
+        }
         let is_single = precision == Precision::Single;
         Ok(Reduced {
             contact: StoredMatrix::read(from, is_single, (rates.len(), contact))?,

@@ -6,18 +6,20 @@
 //! the samples that are not shifts (see `samples`). Projection keeps the rates between the extreme eigenvalues of `A^-1 B`,
 //! which the element rates bound: a rate outside that matters is an error upstream.
 
+use super::digits::Ends;
 use super::fields::{Depth, held_loads};
 use super::galerkin::{Modes, Projection};
-use super::port_matrix::PortMatrix;
+use super::progress::Watch;
 use super::reduced::Reduced;
 use super::samples::Sampled;
 use super::scaling::Scaling;
 use super::shifts::Shifts;
 use super::transfer::Sampler;
+use super::whole;
 use crate::error::{Error, Result};
 use crate::fem::Body;
-use crate::linalg::{SparseCholesky, StoredMatrix};
-use crate::scene::{Fidelity, Precision};
+use crate::linalg::StoredMatrix;
+use crate::scene::{Fidelity, ModelKind, Precision};
 use faer::Mat;
 
 /// What loads do to the contact is asked for to a smaller error than the tolerance: friction is a small difference of what
@@ -30,6 +32,8 @@ const LOAD_WEIGHT: f64 = 5.0;
 /// Shares of the tolerance that dropping nearly dependent responses may use, tried in this order: friction that weakens
 /// magnifies errors of the body, and the larger shares are for tolerances at the limit of rounding.
 const TRUNCATION_SHARES: [f64; 4] = [0.1, 0.02, 0.3, 1.0];
+/// Shifts of the samples that judge a body with rates too far apart for a plan.
+const JUDGING_SHIFTS: usize = 4;
 /// An outlying rate that changes the transfer matrix by more than this share, however many responses are kept, is no error of
 /// the samples, but one upstream.
 const OUTLIER: f64 = 1e-2;
@@ -66,15 +70,23 @@ pub struct Synthesis {
 
 /// Reduces `body` until the samples between the shifts agree to the tolerance, in the precision in which it is to be kept.
 ///
+/// `sampler` is that of the body, `ends` are its samples at both ends.
+///
 /// # Errors
-/// [`Error::ReductionInaccurate`] when the tolerance is out of reach, [`Error::NotPositiveDefinite`] when the body is not held.
-pub fn reduce(body: &Body, cholesky: &SparseCholesky, fidelity: &Fidelity) -> Result<Reduction> {
+/// [`Error::ReductionInaccurate`] when the tolerance is out of reach, [`Error::NotPositiveDefinite`] when the body is not held,
+/// [`Error::Cancelled`].
+pub fn reduce(
+    body: &Body,
+    sampler: &mut Sampler,
+    ends: &Ends,
+    fidelity: &Fidelity,
+    watch: &mut Watch,
+) -> Result<Reduction> {
     let (tolerance, precision) = (fidelity.tolerance, fidelity.precision);
     let [slowest, fastest] = body.element_rates;
-    let reference_rate = (slowest * fastest).sqrt();
+    let reference_rate = sampler.reference_rate();
     let interval = [slowest / reference_rate, fastest / reference_rate];
-    let ports = PortMatrix::new(body);
-    let mut sampler = Sampler::new(&ports, &body.operators, cholesky, reference_rate);
+    let ports = sampler.ports();
     let loads = body.loads.len();
     let of_loads = |value: f64| -> Vec<f64> {
         let others = 0..ports.others.len();
@@ -82,12 +94,13 @@ pub fn reduce(body: &Body, cholesky: &SparseCholesky, fidelity: &Fidelity) -> Re
             .map(|i| if i < loads { value } else { 1.0 })
             .collect()
     };
-    // the condition of the operators, and with it the rounding of the samples, grows like the number of dofs
+    // the condition of the operators, and with it the rounding of the samples, grows like the number of dofs, where cells are
+    // not flat and the material is not nearly incompressible
     let unit = match precision {
         Precision::Double => f64::EPSILON,
         Precision::Single => f64::from(f32::EPSILON),
     };
-    let rounding = 2.0 * unit * body.len() as f64;
+    let rounding = ends.lost_digits.max(2.0 * unit * body.len() as f64);
     let emphasis = (tolerance / rounding).clamp(1.0, LOAD_EMPHASIS);
     let depth = Depth::new(interval, tolerance, emphasis, TRUNCATION_SHARES[0]);
     let (weights, emphasis) = (of_loads(LOAD_WEIGHT), of_loads(emphasis));
@@ -100,11 +113,12 @@ pub fn reduce(body: &Body, cholesky: &SparseCholesky, fidelity: &Fidelity) -> Re
         outlying: None,
     };
     let mut planned = Shifts::for_tolerance(interval, tolerance);
+    let mut judge = None;
     // the plan is for an even spectrum; a body that needs more than one shift beyond it is at the limit of rounding
     for _ in 0..2 {
         let Some(shifts) = planned else { break };
         let of_fields = (held_loads, depth);
-        let sampled = Sampled::new(&mut sampler, shifts, &weights, &emphasis, of_fields)?;
+        let sampled = Sampled::new(sampler, ends, shifts, &weights, &emphasis, of_fields, watch)?;
         let smooth = 0..sampled.turn.len();
         let of_loads = ports.contact_len..ports.contact_len + held_loads;
         let is_held =
@@ -120,6 +134,25 @@ pub fn reduce(body: &Body, cholesky: &SparseCholesky, fidelity: &Fidelity) -> Re
             return Ok(f);
         }
         planned = sampled.shifts.refined(interval, tolerance);
+        judge = Some(sampled);
+    }
+    // `auto` has a better answer to that
+    if fidelity.model == ModelKind::Reduced && whole::is_small(body.len()) {
+        let mut sampled = match judge {
+            Some(sampled) => sampled,
+            None => {
+                let shifts = Shifts::new(interval, JUDGING_SHIFTS, tolerance);
+                let of_fields = (held_loads, depth);
+                Sampled::new(sampler, ends, shifts, &weights, &emphasis, of_fields, watch)?
+            }
+        };
+        let size = sampled.shifts.count() * ports.len();
+        let (scaling, operators) = (&sampled.scaling, &body.operators);
+        let (modes, fields) = whole::modes(operators, sampler, scaling, size, interval)?;
+        if let Some(truncated) = search.judge(modes, &sampled)? {
+            sampled.fields.fields = fields;
+            return Ok(finish(truncated, sampled, loads, reference_rate));
+        }
     }
     Err(search.failure(body.element_rates, reference_rate))
 }
@@ -156,27 +189,32 @@ impl Search {
                 continue;
             }
             tried = rank;
-            let mut modes = projection.modes(rank, self.interval)?;
+            let modes = projection.modes(rank, self.interval)?;
             if modes.outlier.0 > OUTLIER {
                 self.outlying = self.outlying.or(Some(modes.outlier));
                 continue;
             }
-            let ports = keep(&mut modes, &sampled.scaling, self.precision);
-            let achieved = sampled
-                .error(&modes.rates, modes.ports.as_ref())?
-                .max(f64::EPSILON);
-            if achieved <= self.tolerance {
-                return Ok(Some(Truncated {
-                    modes,
-                    ports,
-                    achieved,
-                }));
-            }
-            if achieved < self.closest.0 {
-                self.closest = (achieved, rank);
+            if let Some(found) = self.judge(modes, sampled)? {
+                return Ok(Some(found));
             }
         }
         Ok(None)
+    }
+
+    /// The modes as they are kept, where they meet the tolerance.
+    fn judge(&mut self, mut modes: Modes, sampled: &Sampled) -> Result<Option<Truncated>> {
+        let ports = keep(&mut modes, &sampled.scaling, self.precision);
+        let achieved = sampled
+            .error(&modes.rates, modes.ports.as_ref())?
+            .max(f64::EPSILON);
+        if achieved < self.closest.0 {
+            self.closest = (achieved, modes.rates.len());
+        }
+        Ok((achieved <= self.tolerance).then_some(Truncated {
+            modes,
+            ports,
+            achieved,
+        }))
     }
 
     fn failure(&self, [slowest, fastest]: [f64; 2], reference_rate: f64) -> Error {

@@ -4,7 +4,9 @@
 //! the compliance `C = L L^T` bounds the relative error of the compliance and of its inverse for any combination of forces or
 //! slips. A load or probe of own response h and contact response c is right to `|L^-1 (c_r - c)| / sqrt(h)`, times its emphasis.
 
+use super::digits::Ends;
 use super::fields::{Depth, Fields};
+use super::progress::{Phase, Watch};
 use super::reduced::add_response;
 use super::scaling::Scaling;
 use super::shifts::{Shifts, shift};
@@ -17,6 +19,9 @@ use faer::{Mat, MatRef, Par};
 
 /// Smooth contact forces whose responses are fields: the rounding errors of samples are largest where the whole body moves.
 const SMOOTH_DIRECTIONS: usize = 3;
+
+/// Fractions of a compilation between which the samples are taken.
+const SAMPLING: [f64; 2] = [0.25, 0.8];
 
 /// The scaled transfer matrix at all angles.
 pub struct Sampled<'a> {
@@ -39,10 +44,12 @@ pub struct Sampled<'a> {
 impl<'a> Sampled<'a> {
     pub fn new(
         sampler: &mut Sampler,
+        ends: &Ends,
         shifts: Shifts,
         weights: &[f64],
         emphasis: &'a [f64],
         (loads, depth): (usize, Depth),
+        watch: &mut Watch,
     ) -> Result<Sampled<'a>> {
         let middle = shifts.tests[shifts.tests.len() / 2];
         let reference = sampler.sample(shifts.angles[middle])?;
@@ -52,18 +59,27 @@ impl<'a> Sampled<'a> {
             .ports()
             .forces(loads, &scaling.contact_forces(&directions));
         let mut fields = Fields::new(sampler, &reference, (forces, loads), depth);
-        let mut reference = Some(reference);
         let (mut transfer, mut factors, mut couplings) = (Vec::new(), Vec::new(), Vec::new());
         for (at, angle) in shifts.angles.iter().enumerate() {
-            let sample = match reference.take_if(|_| at == middle) {
-                Some(reference) => reference,
-                None => sampler.sample(*angle)?,
+            let done = at as f64 / shifts.angles.len() as f64;
+            watch.report(
+                Phase::Reduction,
+                SAMPLING[0] + (SAMPLING[1] - SAMPLING[0]) * done,
+            )?;
+            let own;
+            let sample = if at == middle {
+                &reference
+            } else if let Some(end) = ends.at(*angle) {
+                end
+            } else {
+                own = sampler.sample(*angle)?;
+                &own
             };
             if shifts.shifts.contains(&at) {
-                let seen = fields.couple(sampler, &sample);
+                let seen = fields.couple(sampler, sample);
                 couplings.push(scaling.apply_to_velocities(&seen));
             }
-            let scaled = scaling.apply(&sample);
+            let scaled = scaling.apply(sample);
             transfer.push(scaled.h);
             factors.push(scaled.z);
         }

@@ -131,8 +131,13 @@ impl<'a> Sampler<'a> {
     }
 
     /// The ports of the body.
-    pub fn ports(&self) -> &PortMatrix {
+    pub fn ports(&self) -> &'a PortMatrix {
         self.ports
+    }
+
+    /// What B is divided by, 1/s.
+    pub fn reference_rate(&self) -> f64 {
+        self.reference_rate
     }
 
     /// The angle of the last sample.

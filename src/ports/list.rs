@@ -202,7 +202,7 @@ impl Ports {
                 "solver.residual",
                 "1",
                 Residual,
-                "Largest relative residual of the friction law in the last communication step.",
+                "Largest force by which the friction law was violated at a node in the last communication step, over the bound there.",
             ),
             (
                 "solver.solutions",

@@ -2,6 +2,7 @@
 
 use super::types::{Axis, ElementKind, MeshSpec, Refinement};
 use super::validate::MAX_NODES;
+use crate::message::number;
 
 /// Parts of the generated meshes with the axis they are normal to; the lower side of each axis comes first.
 const SIDES: [(&str, Axis); 6] = [
@@ -51,20 +52,24 @@ impl MeshSpec {
         let i = axis.index();
         let (&exponent, &cells) = (self.grading().get(i)?, self.cells().get(i)?);
         if !(exponent.is_finite() && exponent >= 1.0) {
-            return Some((exponent.to_string(), "a finite number >= 1".to_owned()));
+            let found = number(exponent).to_string();
+            return Some((found, "a finite number >= 1".to_owned()));
         }
         if exponent == 1.0 {
             return None;
         }
         if self.periodic().contains(&axis) {
             let allowed = "1 along an axis of mesh.periodic: its ends are no boundary".to_owned();
-            return Some((exponent.to_string(), allowed));
+            return Some((number(exponent).to_string(), allowed));
         }
         let first = 0.5 * (2.0 / f64::from(cells)).powf(exponent);
         (cells > 2 && first < THINNEST).then(|| {
             let most = (0.5 / THINNEST).ln() / (0.5 * f64::from(cells)).ln();
             (
-                format!("{exponent}, whose first cell is {first:e} of the length"),
+                format!(
+                    "{}, whose first cell is {first:.3e} of the length",
+                    number(exponent)
+                ),
                 format!("at most {most:.3} with {cells} cells"),
             )
         })
@@ -86,7 +91,7 @@ impl MeshSpec {
             let fault = |key: &str, found: f64, allowed: String| {
                 Some((
                     format!("mesh.refine[{i}].{key}"),
-                    format!("{found:?}"),
+                    number(found).to_string(),
                     allowed,
                 ))
             };
@@ -94,11 +99,12 @@ impl MeshSpec {
             for (axis, length) in self.size().iter().enumerate() {
                 // written so that a number that is none is refused
                 if !(0.0..=*length).contains(&from[axis]) {
-                    let allowed = format!("0 to {length}, inside the body");
+                    let allowed = format!("0 to {}, inside the body", number(*length));
                     return fault(&format!("from[{axis}]"), from[axis], allowed);
                 }
                 if !(from[axis]..=*length).contains(&to[axis]) {
-                    let allowed = format!("{} (mesh.refine[{i}].from) to {length}", from[axis]);
+                    let (least, most) = (number(from[axis]), number(*length));
+                    let allowed = format!("{least} (mesh.refine[{i}].from) to {most}");
                     return fault(&format!("to[{axis}]"), to[axis], allowed);
                 }
             }

@@ -26,7 +26,8 @@ use serde::Deserialize;
 use structure::Structure;
 
 impl Scene {
-    /// Reads and validates a scene; `source_name` (a file name, or `scene`) is what errors call it.
+    /// Reads and validates a scene; `source_name` (a file name, or `scene`) is what errors call it. A byte-order mark is
+    /// skipped, `"$schema"` at the top is allowed and dropped, and 32.0 is an integer.
     ///
     /// # Errors
     /// [`Error::Scene`](crate::Error::Scene) for the first mistake.
@@ -51,6 +52,10 @@ impl Scene {
             overrides::apply(&mut value, &structure, path, new).map_err(named)?;
         }
         structure.check(&value).map_err(named)?;
+        structure::write_integers(&mut value);
+        if let Some(members) = value.as_object_mut() {
+            members.remove(structure::SCHEMA_KEY);
+        }
         let scene = Scene::deserialize(&value).map_err(|error| {
             named(Refusal::new(
                 "$",

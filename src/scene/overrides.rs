@@ -4,6 +4,7 @@ use super::parse::parse;
 use super::path::{Path, Segment};
 use super::refusal::{Refusal, shown};
 use super::structure::Structure;
+use crate::message::cut;
 use serde_json::Value;
 
 /// Puts `text` (JSON if it parses, else a string) at `path`.
@@ -18,7 +19,7 @@ pub(super) fn apply(
 ) -> Result<(), Refusal> {
     let Some(Path(segments)) = Path::parse(path) else {
         let allowed = "keys separated by dots, array indices in brackets: loads[0].start";
-        return Err(Refusal::new(path, "a malformed path", allowed));
+        return Err(Refusal::new(cut(path), "a malformed path", allowed));
     };
     let new = parse(text).unwrap_or_else(|_| Value::from(text));
     let mut here = value;
@@ -35,8 +36,8 @@ pub(super) fn apply(
                         None => {
                             let found = format!("nothing at {}", parent.key(key));
                             let keys: Vec<&str> = object.keys().map(String::as_str).collect();
-                            let allowed = format!("the present keys {}", keys.join(", "));
-                            return Err(Refusal::new(path, found, allowed));
+                            let allowed = format!("the present keys {}", cut(&keys.join(", ")));
+                            return Err(Refusal::new(cut(path), found, allowed));
                         }
                     };
                 }
@@ -49,17 +50,17 @@ pub(super) fn apply(
                     None => {
                         let found = format!("nothing at {}", parent.index(*index));
                         let allowed = format!("an index below {count}");
-                        return Err(Refusal::new(path, found, allowed));
+                        return Err(Refusal::new(cut(path), found, allowed));
                     }
                 }
             }
             (segment, other) => {
                 let allowed = match segment {
-                    Segment::Key(key) => format!("an object with the key {key}"),
+                    Segment::Key(key) => format!("an object with the key {}", cut(key)),
                     Segment::Index(_) => "an array".to_owned(),
                 };
                 let found = format!("{} at {parent}", shown(other));
-                return Err(Refusal::new(path, found, allowed));
+                return Err(Refusal::new(cut(path), found, allowed));
             }
         };
     }

@@ -3,12 +3,14 @@
 
 use super::path::{Path, Segment};
 use super::refusal::Refusal;
+use crate::message::cut;
 use serde::de::{DeserializeSeed, Deserializer, Error, MapAccess, SeqAccess, Visitor};
 use serde_json::{Map, Value};
 use std::fmt;
 
-/// Reads one JSON value, and nothing after it.
+/// Reads one JSON value, and nothing after it. A byte-order mark before it is skipped.
 pub(super) fn parse(text: &str) -> Result<Value, Refusal> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut place = Place::default();
     let mut deserializer = serde_json::Deserializer::from_str(text);
     let value = Strict(&mut place)
@@ -32,7 +34,7 @@ fn refusal(text: &str, place: &Place, error: &serde_json::Error) -> Refusal {
     }
     let token = token_at(text, error.line(), error.column());
     if token.parse::<f64>().is_ok_and(|number| !number.is_finite()) {
-        let found = format!("{token} ({position})");
+        let found = format!("{} ({position})", cut(token));
         return Refusal::new(&place.path, found, "a finite number");
     }
     let message = error.to_string();

@@ -1,5 +1,6 @@
 //! JSON paths as errors and overrides write them: `contact.friction.alpha`, `loads[0].part`; `$` is the whole scene.
 
+use crate::message::cut;
 use std::fmt;
 
 /// One step into a JSON value.
@@ -58,10 +59,10 @@ impl fmt::Display for Path {
                 Segment::Key(key)
                     if key.is_empty() || key.contains(|c: char| ".[]\"$".contains(c)) =>
                 {
-                    write!(f, "[{key:?}]")?
+                    write!(f, "[{:?}]", cut(key))?
                 }
-                Segment::Key(key) if position == 0 => f.write_str(key)?,
-                Segment::Key(key) => write!(f, ".{key}")?,
+                Segment::Key(key) if position == 0 => f.write_str(&cut(key))?,
+                Segment::Key(key) => write!(f, ".{}", cut(key))?,
             }
         }
         Ok(())

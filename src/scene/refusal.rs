@@ -1,6 +1,7 @@
 //! Why a scene is refused, before the name of its source is known.
 
 use crate::Error;
+use crate::message::cut;
 use serde_json::Value;
 use std::fmt::Display;
 
@@ -34,10 +35,5 @@ impl Refusal {
 
 /// A value on one line, cut where it becomes too long to read.
 pub(super) fn shown(value: &Value) -> String {
-    const LONGEST: usize = 60;
-    let text = value.to_string();
-    match text.char_indices().nth(LONGEST) {
-        Some((end, _)) => format!("{}...", &text[..end]),
-        None => text,
-    }
+    cut(&value.to_string())
 }

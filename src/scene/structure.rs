@@ -6,14 +6,24 @@
 use super::path::{Path, Segment};
 use super::refusal::{Refusal, shown};
 use super::types::Scene;
-use serde_json::{Map, Value};
+use crate::message::cut;
+use serde_json::{Map, Value, json};
+
+/// What editors find the schema of a file by; not a part of a scene.
+pub(super) const SCHEMA_KEY: &str = "$schema";
 
 /// The JSON Schema of the scene types.
 pub(super) struct Structure(Value);
 
 impl Structure {
     pub fn of_scenes() -> Structure {
-        Structure(schemars::schema_for!(Scene).to_value())
+        let mut schema = schemars::schema_for!(Scene).to_value();
+        if let Some(members) = schema["properties"].as_object_mut() {
+            let meaning = "Where editors find this schema; without effect.";
+            let member = json!({"description": meaning, "type": "string"});
+            members.insert(SCHEMA_KEY.to_owned(), member);
+        }
+        Structure(schema)
     }
 
     pub fn schema(&self) -> &Value {
@@ -131,7 +141,7 @@ impl Structure {
             && let Some(key) = object.keys().find(|key| !members.contains_key(*key))
         {
             let keys: Vec<&str> = members.keys().map(String::as_str).collect();
-            let found = format!("the unknown key {key:?}");
+            let found = format!("the unknown key {:?}", cut(key));
             return Err(Refusal::new(
                 path.key(key),
                 found,
@@ -253,7 +263,7 @@ fn has_type(value: &Value, schema: &Value) -> bool {
         || types.any(|name| match name {
             "null" => value.is_null(),
             "boolean" => value.is_boolean(),
-            "integer" => value.as_u64().is_some_and(|n| u32::try_from(n).is_ok()),
+            "integer" => integer(value).is_some(),
             "number" => value.is_number(),
             "string" => value.is_string(),
             "array" => value.is_array(),
@@ -271,11 +281,41 @@ fn in_range(value: &Value, schema: &Value) -> bool {
             .all(|(keyword, _, holds)| bound(*keyword).is_none_or(|bound| holds(number, bound)))
     };
     let length = value.as_array().map(|items| items.len() as f64);
-    schema.get("const").is_none_or(|only| only == value)
+    let is_only = |only: &Value| match (integer(only), integer(value)) {
+        (Some(only), Some(value)) => only == value,
+        _ => only == value,
+    };
+    schema.get("const").is_none_or(is_only)
         && branches(schema, "enum").is_none_or(|names| names.contains(value))
         && value.as_f64().is_none_or(within)
         && length.is_none_or(|n| bound("minItems").is_none_or(|least| n >= least))
         && length.is_none_or(|n| bound("maxItems").is_none_or(|most| n <= most))
+}
+
+/// A 32-bit integer, however it is written: 32 or 32.0.
+fn integer(value: &Value) -> Option<u32> {
+    let whole = |n: f64| {
+        let is_whole = n.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&n);
+        (is_whole && n.is_sign_positive()).then_some(n as u32)
+    };
+    match value.as_u64() {
+        Some(n) => u32::try_from(n).ok(),
+        None => value.as_f64().and_then(whole),
+    }
+}
+
+/// Writes integers as such that were written like 32.0: types that expect an integer read nothing else.
+pub(super) fn write_integers(value: &mut Value) {
+    match value {
+        Value::Number(number) if number.is_f64() => {
+            if let Some(whole) = integer(value) {
+                *value = whole.into();
+            }
+        }
+        Value::Array(items) => items.iter_mut().for_each(write_integers),
+        Value::Object(members) => members.values_mut().for_each(write_integers),
+        _ => {}
+    }
 }
 
 /// The key whose constant tells the variants of an enum apart.

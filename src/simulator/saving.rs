@@ -1,7 +1,7 @@
 //! Saving and restoring the state of a simulator.
 
 use super::Simulator;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::state::State;
 
 impl Simulator {
@@ -37,9 +37,17 @@ impl Simulator {
     /// derivatives of afterwards.
     ///
     /// # Errors
-    /// [`crate::Error::Bytes`], [`crate::Error::Fingerprint`].
+    /// [`Error::Bytes`], also for a state that no simulation leaves behind (numbers that are not finite, counters out of
+    /// range); [`Error::Fingerprint`].
     pub fn restore_bytes(&mut self, bytes: &[u8]) -> Result<()> {
-        self.state.read_bytes(bytes)?;
+        self.trial.read_bytes(bytes)?;
+        self.trial.check_plausible(&self.model)?;
+        if let Some(what) = self.workspace.finite.fault(&self.model, &self.trial) {
+            return Err(Error::Bytes {
+                what: format!("saved state: {what} is not finite"),
+            });
+        }
+        std::mem::swap(&mut self.state, &mut self.trial);
         self.last_step = None;
         Ok(())
     }

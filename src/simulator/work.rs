@@ -12,6 +12,13 @@ impl Simulator {
         (report[report::SOLUTIONS], report[report::SOLUTION_GAP])
     }
 
+    /// The residual of the last communication step where rounding kept the friction law from holding to
+    /// `fidelity.friction_tolerance`: the largest force by which it is violated at a node, over the forces that meet there.
+    pub fn residual_at_rounding(&self) -> Option<f64> {
+        let report = &self.state.report;
+        (report[report::AT_ROUNDING] != 0.0).then_some(report[report::RESIDUAL])
+    }
+
     /// Keeps the iterates of the fixed-point solver from now on; steps then allocate.
     pub fn keep_iterates(&mut self) {
         self.workspace.fixed_point.keep_trace();

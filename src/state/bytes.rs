@@ -1,12 +1,13 @@
 //! Bytes of a saved state: a frame (see `crate::bytes`) of the counters and then the values.
 
-use super::{COUNTERS, State};
+use super::{COUNTERS, State, history_row};
 use crate::bytes::{Frame, HEADER, OVERHEAD, Reader};
 use crate::error::Result;
+use crate::model::Model;
 
 const FRAME: Frame = Frame {
     magic: *b"SLIPSTAT",
-    format: 2,
+    format: 3,
     what: "saved state",
 };
 
@@ -14,6 +15,16 @@ impl State {
     /// Length of [`State::to_bytes`].
     pub fn byte_len(&self) -> usize {
         OVERHEAD + 8 * (COUNTERS + self.len())
+    }
+
+    /// The same of the states of a model, without the memory of its recorded past.
+    pub(crate) fn byte_len_of(model: &Model) -> usize {
+        let past = model
+            .history_capacity()
+            .saturating_mul(history_row(model.contact().len()));
+        State::without_history(model)
+            .byte_len()
+            .saturating_add(past.saturating_mul(8))
     }
 
     /// Versioned, checksummed bytes; they fit every simulator of a model with the same fingerprint.
@@ -33,7 +44,7 @@ impl State {
         FRAME.seal(self.fingerprint, out);
     }
 
-    /// Reads bytes into this state; on failure it stays as it was.
+    /// Reads bytes into this state. It is then to be checked, [`State::check_plausible`], and spoilt after an error.
     ///
     /// # Errors
     /// [`crate::Error::Bytes`] for bytes that are not a state of this format, truncated or damaged;
@@ -52,9 +63,6 @@ impl State {
         let mut counters = [0; COUNTERS];
         for counter in &mut counters {
             *counter = reader.word()?;
-        }
-        if !f64::from_bits(counters[0]).is_finite() {
-            return Err(Reader::refusal("saved state: its time is not finite"));
         }
         self.set_counters(counters);
         for value in self.blocks_mut().into_iter().flatten() {

@@ -4,7 +4,7 @@
 //! A [`Setting`] is what a user passes as `--set`: paths and values. A [`Study`] compiles settings of one scene (bodies are
 //! shared where only time or friction differ) and runs them to the end of `run`; a [`Sample`] holds what a master sees at the
 //! instants that all settings share, and the work of the run, counted in multiplications. A [`Reference`] refines mesh and
-//! step until its levels agree and says what is left in it; a [`Verdict`] is a run judged by it. [`select`] picks the
+//! step until its levels agree and says what is left in it; a [`Verdict`] is a run judged by it. `fidelity.target_error` picks the
 //! cheapest setting for `fidelity.target_error`.
 //!
 //! Nothing here looks at a clock: the same scene gives the same errors, the same work and the same pick. What it does not
@@ -23,7 +23,8 @@ mod trajectory;
 pub use errors::{Errors, Quantity};
 pub use family::{ELEMENTS, Family, GRADINGS, cells, grading};
 pub use reference::{Level, MARGIN, Measured, Reference, Refinement, Verdict};
-pub use selection::{Selection, select};
+pub use selection::Selection;
+pub(crate) use selection::select;
 pub use setting::Setting;
 pub use study::{Candidate, Sample, Study, loosest_reduction};
 pub use trajectory::{Instant, Trajectory, Work};

@@ -332,7 +332,9 @@ fn level(study: &mut Study, setting: &Setting, first: usize) -> Result<(Level, R
             .clone()
             .with("fidelity.tolerance", format!("{tolerance:e}"));
         match run(study, reduced, i) {
-            Err(Error::ReductionInaccurate { .. } | Error::Body { .. }) => {}
+            Err(
+                Error::ReductionInaccurate { .. } | Error::LostDigits { .. } | Error::Body { .. },
+            ) => {}
             outcome => return outcome,
         }
     }

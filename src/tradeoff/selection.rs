@@ -13,6 +13,7 @@ use super::setting::Setting;
 use super::study::{Study, loosest_reduction};
 use crate::bytes::{Reader, Writer};
 use crate::error::{Error, Result};
+use crate::model::{Phase, Watch};
 use crate::scene::Scene;
 
 /// Where a target stands in a scene.
@@ -90,11 +91,11 @@ struct Match {
 ///
 /// # Errors
 /// [`Error::Scene`] at `fidelity.target_error` when it is out of reach; those of compilation and run.
-pub fn select(scene: &Scene, target: f64) -> Result<(Scene, Selection)> {
+pub(crate) fn select(scene: &Scene, target: f64, watch: &mut Watch) -> Result<(Scene, Selection)> {
     let mut study = Study::new(scene);
     let scene = study.scene().clone();
     let families = Family::all(&scene);
-    let reference = reference(&mut study, target)?;
+    let reference = reference(&mut study, target, watch)?;
     let mut search = Search {
         reference: &reference,
         target,
@@ -102,7 +103,7 @@ pub fn select(scene: &Scene, target: f64) -> Result<(Scene, Selection)> {
         tried: 0,
     };
     for family in &families {
-        search.family(&mut study, family)?;
+        search.family(&mut study, family, watch)?;
     }
     let tried = search.tried;
     let Some(best) = search.best else {
@@ -119,9 +120,10 @@ pub fn select(scene: &Scene, target: f64) -> Result<(Scene, Selection)> {
 }
 
 /// The reference that is ten times as accurate as the target.
-fn reference(study: &mut Study, target: f64) -> Result<Reference> {
+fn reference(study: &mut Study, target: f64, watch: &mut Watch) -> Result<Reference> {
     let mut found = Reference::new(study)?;
     loop {
+        watch.report(Phase::Selection, 0.0)?;
         let left = Quantity::JUDGED.map(|q| (found.uncertainty(q).unwrap_or(0.0), q.name()));
         let worst = left.into_iter().max_by(|a, b| a.0.total_cmp(&b.0));
         let (left, name) = worst.unwrap_or_default();
@@ -176,7 +178,7 @@ struct Search<'a> {
 
 impl Search<'_> {
     /// Looks for the coarsest mesh of a family that meets the target.
-    fn family(&mut self, study: &mut Study, family: &Family) -> Result<()> {
+    fn family(&mut self, study: &mut Study, family: &Family, watch: &mut Watch) -> Result<()> {
         let finest = 0.5 * 2f64.powi(self.reference.space().len() as i32 - 2);
         let (mut factor, mut last) = (COARSEST, String::new());
         while factor <= finest {
@@ -189,7 +191,7 @@ impl Search<'_> {
                 .with("mesh.cells", size.as_str())
                 .and(&family.setting());
             last = size;
-            if !self.mesh(study, setting)? {
+            if !self.mesh(study, setting, watch)? {
                 break;
             }
         }
@@ -197,7 +199,7 @@ impl Search<'_> {
     }
 
     /// Looks for the longest step on a mesh that meets the target; whether a finer mesh is worth a look.
-    fn mesh(&mut self, study: &mut Study, setting: Setting) -> Result<bool> {
+    fn mesh(&mut self, study: &mut Study, setting: Setting, watch: &mut Watch) -> Result<bool> {
         let mut step = study.interval();
         let shortest = study.communication_step() / 2f64.powi(MOST_HALVINGS as i32);
         let share = (SHARE_OF_REDUCTION * self.target).log10().floor() as i32;
@@ -205,14 +207,22 @@ impl Search<'_> {
         let (setting, _body) = match loosest_reduction(&setting, share.min(-4), || true, compile) {
             Ok(found) => found,
             // this mesh gives no model; a finer one may
-            Err(Error::ReductionInaccurate { .. } | Error::Body { .. }) => return Ok(true),
+            Err(
+                Error::ReductionInaccurate { .. } | Error::LostDigits { .. } | Error::Body { .. },
+            ) => return Ok(true),
             Err(error) => return Err(error),
         };
         let mut before = None;
         while step >= shortest {
+            watch.report(Phase::Selection, 0.0)?;
             let setting = setting.clone().with("time.step", format!("{step:?}"));
             step *= 0.5;
-            let candidate = study.compile(&setting)?;
+            let candidate = match study.compile(&setting) {
+                Ok(candidate) => candidate,
+                // too long a step for an explicit scheme: a shorter one may do
+                Err(Error::Unstable { .. }) => continue,
+                Err(error) => return Err(error),
+            };
             let most = self
                 .best
                 .as_ref()
@@ -223,7 +233,7 @@ impl Search<'_> {
             }
             let sample = match candidate.run() {
                 Ok(sample) => sample,
-                // too long a step for an explicit scheme or for friction: a shorter one may do
+                // too long a step for friction: a shorter one may do
                 Err(Error::Value { .. } | Error::NotConverged { .. }) => continue,
                 Err(error) => return Err(error),
             };

@@ -146,9 +146,9 @@ pub fn loosest_reduction<T>(
             .clone()
             .with("fidelity.tolerance", format!("1e{exponent}"));
         match compile(&reduced) {
-            Err(Error::ReductionInaccurate { .. } | Error::Body { .. })
-                if exponent > TIGHTEST && goes_on() =>
-            {
+            Err(
+                Error::ReductionInaccurate { .. } | Error::LostDigits { .. } | Error::Body { .. },
+            ) if exponent > TIGHTEST && goes_on() => {
                 exponent = (exponent - 2).max(TIGHTEST);
             }
             outcome => return outcome.map(|model| (reduced, model)),
@@ -216,6 +216,8 @@ fn body_key(scene: &Scene) -> String {
         step: 1.0,
         tolerance: None,
         error_estimate: None,
+        inputs: None,
+        force: false,
     };
     let fidelity = Fidelity::default();
     key.fidelity.friction_tolerance = fidelity.friction_tolerance;

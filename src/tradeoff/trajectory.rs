@@ -1,6 +1,6 @@
 //! A run of a scene on its own signals, as far as errors and work need it.
 
-use crate::course::{Points, set_loads};
+use crate::course::{Points, set_loads, step_to};
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::ports::Quantity as Port;
@@ -63,7 +63,7 @@ pub struct Trajectory {
 /// # Errors
 /// Those of the simulator; [`Error::Unstable`] for results that are not finite or an explicit scheme beyond its limit.
 pub fn run(scene: &Scene, model: &Arc<Model>, stride: u64) -> Result<Trajectory> {
-    let points = Points::of(scene);
+    let points = Points::checked(scene)?;
     let mut simulator = Simulator::new(Arc::clone(model));
     set_loads(scene, &mut simulator, points.at(0))?;
     simulator.init(points.at(0))?;
@@ -75,12 +75,12 @@ pub fn run(scene: &Scene, model: &Arc<Model>, stride: u64) -> Result<Trajectory>
         .reference;
     let mut work = Work::default();
     for n in 1..=points.count {
-        let (from, to) = (simulator.time(), points.at(n));
-        set_loads(scene, &mut simulator, to)?;
-        simulator.do_step(from, to - from)?;
-        let mut count = [0.0];
-        simulator.get(iterations, &mut count)?;
-        work.iterations += count[0] as u64;
+        for to in points.stops(n) {
+            step_to(scene, &points, &mut simulator, to)?;
+            let mut count = [0.0];
+            simulator.get(iterations, &mut count)?;
+            work.iterations += count[0] as u64;
+        }
         if n % stride == 0 || n == points.count {
             instants.push(instant(&simulator)?);
         }

@@ -2,6 +2,7 @@
 #![allow(dead_code)] // every test binary uses its own part
 
 pub mod accuracy;
+pub mod random;
 
 use serde_json::{Value, json};
 use std::sync::Arc;
@@ -255,4 +256,11 @@ pub fn column_course() -> Course {
         step: 0.125,
         count: 32,
     }
+}
+
+/// Makes the checksum of framed bytes fit their content again.
+pub fn reseal(bytes: &mut [u8]) {
+    let end = bytes.len() - 8;
+    let checksum = xxhash_rust::xxh3::xxh3_64(&bytes[..end]);
+    bytes[end..].copy_from_slice(&checksum.to_le_bytes());
 }

@@ -1,43 +1,82 @@
 //! Clocks: what a setting costs, and what is left of the budget.
 
+use super::estimate::{Estimate, Speed};
 use super::point::{Group, Point};
+use std::cell::Cell;
 use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use stickslip::course::{Points, set_loads};
+use stickslip::course::{Points, set_loads, step_to};
 use stickslip::tradeoff::{Candidate, Reference, Setting, Study};
-use stickslip::{Compilation, Error, Result, Simulator};
+use stickslip::{Compilation, Result, Simulator};
 
 /// Compilations and runs are repeated while they take no more than this together, and the fastest counts.
 const LONGEST_REPETITION: Duration = Duration::from_millis(150);
 /// Most repetitions.
 const REPETITIONS: usize = 5;
 
-/// Time to spend.
+/// What may be spent: time, or work by estimate, which is the same on every machine.
 pub struct Budget {
     start: Instant,
-    seconds: f64,
+    limit: Limit,
+}
+
+enum Limit {
+    Seconds(f64),
+    /// Multiplications, and how many are spent.
+    Work(f64, Cell<f64>),
 }
 
 impl Budget {
-    pub fn of(seconds: f64) -> Budget {
+    pub fn of_seconds(seconds: f64) -> Budget {
         Budget {
             start: Instant::now(),
-            seconds,
+            limit: Limit::Seconds(seconds),
         }
     }
 
-    pub fn seconds(&self) -> f64 {
-        self.seconds
+    pub fn of_work(multiplications: f64) -> Budget {
+        Budget {
+            start: Instant::now(),
+            limit: Limit::Work(multiplications, Cell::new(0.0)),
+        }
     }
 
-    pub fn spent(&self) -> f64 {
+    /// What there was to spend, in words.
+    pub fn words(&self) -> String {
+        match &self.limit {
+            Limit::Seconds(seconds) => format!("{seconds} s"),
+            Limit::Work(work, _) => format!("{work:e} multiplications"),
+        }
+    }
+
+    pub fn seconds_spent(&self) -> f64 {
         self.start.elapsed().as_secs_f64()
     }
 
-    /// Whether something that takes `seconds` fits into a share of the budget.
-    pub fn fits(&self, seconds: f64, share: f64) -> bool {
-        self.spent() + seconds <= share * self.seconds
+    /// Whether something estimated fits into a share of the budget.
+    pub fn fits(&self, estimate: &Estimate, speed: &Speed, share: f64) -> bool {
+        match &self.limit {
+            Limit::Seconds(seconds) => {
+                self.seconds_spent() + speed.seconds(estimate) <= share * seconds
+            }
+            Limit::Work(work, spent) => spent.get() + estimate.multiplications() <= share * work,
+        }
+    }
+
+    /// Whether something else of a batch that has been begun, and takes `seconds`, has its time.
+    pub fn has_time(&self, seconds: f64) -> bool {
+        match &self.limit {
+            Limit::Seconds(limit) => self.seconds_spent() + seconds <= *limit,
+            Limit::Work(..) => true,
+        }
+    }
+
+    /// Something estimated has been done.
+    pub fn spend(&self, estimate: &Estimate) {
+        if let Limit::Work(_, spent) = &self.limit {
+            spent.set(spent.get() + estimate.multiplications());
+        }
     }
 }
 
@@ -75,7 +114,6 @@ impl Clock {
         setting: &Setting,
     ) -> Result<Point> {
         let candidate = self.compile(study, setting)?;
-        refuse_unstable(&candidate)?;
         let setup = self.setups.get(&study.body_of(setting)?).copied();
         let sample = candidate.run()?;
         let stepping = fastest(step_through(&candidate)?, || step_through(&candidate))?;
@@ -95,15 +133,6 @@ impl Clock {
     }
 }
 
-/// An explicit scheme beyond its stability limit gives numbers that mean nothing.
-fn refuse_unstable(candidate: &Candidate) -> Result<()> {
-    let step = candidate.scene.time.step;
-    match candidate.model.stability_limit() {
-        Some(limit) if step > limit => Err(Error::Unstable { step, limit }),
-        _ => Ok(()),
-    }
-}
-
 /// Time of the steps of a run.
 fn step_through(candidate: &Candidate) -> Result<Duration> {
     let scene = &candidate.scene;
@@ -113,10 +142,10 @@ fn step_through(candidate: &Candidate) -> Result<Duration> {
     simulator.init(points.at(0))?;
     let mut stepping = Duration::ZERO;
     for n in 1..=points.count {
-        let (from, to) = (simulator.time(), points.at(n));
-        set_loads(scene, &mut simulator, to)?;
         let start = Instant::now();
-        simulator.do_step(from, to - from)?;
+        for to in points.stops(n) {
+            step_to(scene, &points, &mut simulator, to)?;
+        }
         stepping += start.elapsed();
     }
     Ok(stepping)

@@ -3,17 +3,15 @@
 use super::point::{Point, front};
 use crate::contact_table::shortest;
 use crate::failure::Failure;
+use crate::standard;
 use std::path::Path;
 use stickslip::Scene;
 use stickslip::tradeoff::Quantity;
 
-/// Writes the points of a scene.
+/// Writes the points of a scene; `-` is standard output.
 pub fn write(path: &Path, scene: &Scene, points: &[Point]) -> Result<(), Failure> {
     let failed = Failure::writing(path);
-    if let Some(folder) = path.parent() {
-        std::fs::create_dir_all(folder).map_err(|e| failed(&e))?;
-    }
-    let mut writer = csv::Writer::from_path(path).map_err(|e| failed(&e))?;
+    let mut writer = csv::Writer::from_writer(standard::create(path)?);
     writer.write_record(header()).map_err(|e| failed(&e))?;
     let fronts = Quantity::ALL.map(|q| front(points, &[q]));
     for point in points {

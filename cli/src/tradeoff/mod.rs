@@ -19,6 +19,7 @@ use crate::console;
 use crate::failure::Failure;
 use crate::source;
 use clock::Budget;
+use stickslip::course::Points;
 use stickslip::tradeoff::{Reference, Study};
 use survey::{Refined, Survey};
 
@@ -26,13 +27,17 @@ use survey::{Refined, Survey};
 const SHARE_OF_REFERENCE: f64 = 0.5;
 
 pub fn run(options: &TradeoffOptions) -> Result<(), Failure> {
-    let name = options.choice.scene.as_str();
+    let name = options.choice.name();
     let scene = source::scene(&options.choice, &[])?;
     let place = match &options.markdown {
         Some(path) => Some(markdown::Place::find(path, &scene.name)?),
         None => None,
     };
-    let budget = Budget::of(options.budget);
+    let budget = match options.work {
+        Some(work) => Budget::of_work(work),
+        None => Budget::of_seconds(options.budget),
+    };
+    Points::checked(&scene).map_err(Failure::of(name))?;
     let mut study = Study::new(&scene);
 
     let (reference, found) = measure(&mut study, &budget).map_err(Failure::of(name))?;
@@ -46,11 +51,12 @@ pub fn run(options: &TradeoffOptions) -> Result<(), Failure> {
     if let Some(place) = place {
         place.write(&markdown::text(&command(), &found.points, &reference))?;
     }
-    console::say(&table::reference(&scene.name, &reference))?;
-    console::say(&format!("\n{}", table::settings(&found.points)))?;
+    let say = |text: &str| console::say_beside(options.csv.as_deref(), text);
+    say(&table::reference(&scene.name, &reference))?;
+    say(&format!("\n{}", table::settings(&found.points)))?;
     let sentences = advice::sentences(&advice::SUBJECTS, (&found.points, &reference), "");
-    console::say(&format!("\n{}", sentences.join("\n")))?;
-    console::say(&format!("\n{}", table::left_out(&found, &budget)))
+    say(&format!("\n{}", sentences.join("\n")))?;
+    say(&format!("\n{}", table::left_out(&found, &budget)))
 }
 
 /// What was called, as one line.

@@ -69,7 +69,7 @@ impl Refined {
             if self.reference.next() == Refinement::Time {
                 estimate.setup = 0.0;
             }
-            let is_affordable = budget.fits(self.speed.seconds(&estimate), share);
+            let is_affordable = budget.fits(&estimate, &self.speed, share);
             if !is_affordable || !estimate.has_room() {
                 spinner.finish_and_clear();
                 return Ok(has_gone_further);
@@ -77,6 +77,7 @@ impl Refined {
             let start = Instant::now();
             self.reference.refine(study)?;
             self.speed.learn(&estimate, start.elapsed().as_secs_f64());
+            budget.spend(&estimate);
             has_gone_further = true;
         }
     }
@@ -106,7 +107,7 @@ pub fn settings(study: &mut Study, reference: &Reference, budget: &Budget) -> Re
     let mut speed = Speed::unknown();
     while !planned.is_empty() {
         let estimate = planned[0].estimate;
-        let is_affordable = budget.fits(speed.seconds(&estimate), 1.0);
+        let is_affordable = budget.fits(&estimate, &speed, 1.0);
         if estimate.has_room() && !is_affordable && !survey.points.is_empty() {
             let (small, large) = planned.into_iter().partition(|b| b.estimate.has_room());
             survey.skipped = small;
@@ -122,6 +123,7 @@ pub fn settings(study: &mut Study, reference: &Reference, budget: &Budget) -> Re
         let start = Instant::now();
         survey.measure(&mut bench, &batch)?;
         speed.learn(&estimate, start.elapsed().as_secs_f64());
+        budget.spend(&estimate);
     }
     bar.finish_and_clear();
     survey.points.sort_by_key(|p| p.group as usize);
@@ -164,7 +166,7 @@ impl Survey {
             let mut last = 0.0;
             for steps in ladder {
                 // the next one takes about twice as long
-                if before.is_some() && !bench.budget.fits(2.0 * last, 1.0) {
+                if before.is_some() && !bench.budget.has_time(2.0 * last) {
                     return Ok(());
                 }
                 let start = Instant::now();
@@ -205,7 +207,7 @@ impl Bench<'_> {
     fn reduce(&mut self, setting: &Setting) -> Result<(Setting, Candidate)> {
         let budget = self.budget;
         let start = Instant::now();
-        let has_time = || budget.fits(start.elapsed().as_secs_f64(), 1.0);
+        let has_time = || budget.has_time(start.elapsed().as_secs_f64());
         loosest_reduction(setting, JOINT_REDUCTION, has_time, |reduced| {
             self.compile(reduced)
         })

@@ -124,10 +124,10 @@ pub fn settings(points: &[Point]) -> String {
 /// What did not fit, and what cannot be had.
 pub fn left_out(survey: &Survey, budget: &Budget) -> String {
     let mut lines = vec![format!(
-        "{} settings measured in {:.1} s of {} s",
+        "{} settings measured in {:.1} s of {}",
         survey.points.len(),
-        budget.spent(),
-        budget.seconds()
+        budget.seconds_spent(),
+        budget.words()
     )];
     let labels = |batches: &[Batch], more: fn(&Batch) -> String| {
         let label = |batch: &Batch| {

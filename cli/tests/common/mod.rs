@@ -18,6 +18,17 @@ pub struct Outcome {
     pub stderr: String,
 }
 
+impl Outcome {
+    fn of(output: Output) -> Outcome {
+        let text = |bytes| String::from_utf8(bytes).unwrap();
+        Outcome {
+            status: output.status.code().expect("ended by a signal"),
+            stdout: text(output.stdout),
+            stderr: text(output.stderr),
+        }
+    }
+}
+
 impl Shell {
     pub fn new() -> Shell {
         Shell {
@@ -35,16 +46,18 @@ impl Shell {
     }
 
     pub fn run(&self, arguments: &[&str]) -> Outcome {
-        let Output {
-            status,
-            stdout,
-            stderr,
-        } = self.command(arguments).output().unwrap();
-        Outcome {
-            status: status.code().expect("ended by a signal"),
-            stdout: String::from_utf8(stdout).unwrap(),
-            stderr: String::from_utf8(stderr).unwrap(),
-        }
+        Outcome::of(self.command(arguments).output().unwrap())
+    }
+
+    /// Runs a command that reads `input`.
+    pub fn feed(&self, arguments: &[&str], input: &[u8]) -> Outcome {
+        let mut command = self.command(arguments);
+        let piped = command.stdin(Stdio::piped()).stdout(Stdio::piped());
+        let mut child = piped.stderr(Stdio::piped()).spawn().unwrap();
+        let mut stdin = child.stdin.take().unwrap();
+        std::io::Write::write_all(&mut stdin, input).unwrap();
+        drop(stdin);
+        Outcome::of(child.wait_with_output().unwrap())
     }
 
     /// Runs what must succeed without a remark and returns what it printed.

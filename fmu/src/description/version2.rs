@@ -1,7 +1,8 @@
 //! The model description of FMI 2.0: every element of an array is a variable of its own, `name[i]`.
 
 use super::{
-    MODEL_IDENTIFIER, Source, kinds, write_default_experiment, write_log_categories, write_units,
+    MODEL_IDENTIFIER, Source, When, depends, kinds, write_default_experiment, write_log_categories,
+    write_units,
 };
 use crate::parameters::CHOICES;
 use crate::variables::{Role, Variable};
@@ -9,19 +10,18 @@ use crate::xml::Xml;
 
 pub fn write(source: &Source) -> String {
     let mut xml = Xml::new();
-    let scene = source.model.scene();
     xml.open(
         "fmiModelDescription",
         &[
             ("fmiVersion", "2.0"),
-            ("modelName", &scene.name),
+            ("modelName", &source.scene.name),
             ("guid", &source.token),
             (
                 "description",
                 "Frictional contact of a viscoelastic body with a rigid foundation.",
             ),
             ("version", env!("CARGO_PKG_VERSION")),
-            ("license", "MIT OR Apache-2.0"),
+            ("license", env!("CARGO_PKG_LICENSE")),
             (
                 "generationTool",
                 concat!("stickslip ", env!("CARGO_PKG_VERSION")),
@@ -119,35 +119,35 @@ fn write_variable(xml: &mut Xml, source: &Source, variable: &Variable, name: &st
     xml.close();
 }
 
-/// Every output depends on every input; the first outputs also on the parameters. Indices count from 1.
+/// Outputs and what they depend on at the same instant. Indices count from 1.
 fn write_structure(xml: &mut Xml, source: &Source, listed: &[&Variable]) {
     // time is place 0 and is not listed, so that the index of a variable is its place
-    let places = |roles: &[Role]| -> Vec<usize> {
-        let chosen = listed.iter().filter(|v| roles.contains(&v.role));
-        chosen.flat_map(|v| v.range()).collect()
-    };
-    let join = |places: &[usize]| {
-        let texts: Vec<String> = places.iter().map(usize::to_string).collect();
-        texts.join(" ")
-    };
-    let outputs = places(&[Role::Output]);
-    let inputs = places(&[Role::Input]);
-    let all = places(&[Role::Input, Role::Tunable, Role::Fixed]);
-    debug_assert!(source.variables.len() > all.len());
+    let outputs = || listed.iter().filter(|v| v.role == Role::Output);
+    debug_assert!(source.variables.len() > listed.len());
     xml.open("ModelStructure", &[]);
-    for (element, dependencies) in [("Outputs", &inputs), ("InitialUnknowns", &all)] {
-        let (list, kinds) = (join(dependencies), kinds(dependencies.len()));
+    for (element, when) in [
+        ("Outputs", When::Stepping),
+        ("InitialUnknowns", When::Start),
+    ] {
         xml.open(element, &[]);
-        for output in &outputs {
-            let index = output.to_string();
-            xml.empty(
-                "Unknown",
-                &[
-                    ("index", &index),
-                    ("dependencies", &list),
-                    ("dependenciesKind", &kinds),
-                ],
-            );
+        for output in outputs() {
+            let known = listed.iter().filter(|v| depends(output, v, when));
+            let places: Vec<String> = known
+                .flat_map(|v| v.range())
+                .map(|place| place.to_string())
+                .collect();
+            let (list, kinds) = (places.join(" "), kinds(places.len()));
+            for index in output.range() {
+                let index = index.to_string();
+                xml.empty(
+                    "Unknown",
+                    &[
+                        ("index", &index),
+                        ("dependencies", &list),
+                        ("dependenciesKind", &kinds),
+                    ],
+                );
+            }
         }
         xml.close();
     }

@@ -1,7 +1,8 @@
 //! The model description of FMI 3.0: one variable per array, or one per element for importers without arrays.
 
 use super::{
-    MODEL_IDENTIFIER, Source, kinds, write_default_experiment, write_log_categories, write_units,
+    MODEL_IDENTIFIER, Source, When, depends, kinds, write_default_experiment, write_log_categories,
+    write_units,
 };
 use crate::parameters::CHOICES;
 use crate::variables::{Role, Variable};
@@ -49,19 +50,18 @@ fn declared<'a>(source: &'a Source) -> Vec<Declared<'a>> {
 
 pub fn write(source: &Source) -> String {
     let mut xml = Xml::new();
-    let scene = source.model.scene();
     xml.open(
         "fmiModelDescription",
         &[
             ("fmiVersion", "3.0"),
-            ("modelName", &scene.name),
+            ("modelName", &source.scene.name),
             ("instantiationToken", &source.token),
             (
                 "description",
                 "Frictional contact of a viscoelastic body with a rigid foundation.",
             ),
             ("version", env!("CARGO_PKG_VERSION")),
-            ("license", "MIT OR Apache-2.0"),
+            ("license", env!("CARGO_PKG_LICENSE")),
             (
                 "generationTool",
                 concat!("stickslip ", env!("CARGO_PKG_VERSION")),
@@ -155,27 +155,29 @@ fn write_variable(xml: &mut Xml, source: &Source, item: &Declared) {
     xml.close();
 }
 
-/// Every output depends on every input; the first outputs also on the parameters.
+/// Outputs and what they depend on at the same instant.
 fn write_structure(xml: &mut Xml, list: &[Declared]) {
-    let references = |roles: &[Role]| -> Vec<String> {
-        let chosen = list
-            .iter()
-            .filter(|item| roles.contains(&item.variable.role));
-        chosen.map(|item| item.reference.to_string()).collect()
-    };
-    let outputs = references(&[Role::Output]);
-    let inputs = references(&[Role::Input]);
-    let all = references(&[Role::Input, Role::Tunable, Role::Fixed]);
     xml.open("ModelStructure", &[]);
-    for (element, dependencies) in [("Output", &inputs), ("InitialUnknown", &all)] {
-        let (dependencies, kinds) = (dependencies.join(" "), kinds(dependencies.len()));
-        for output in &outputs {
+    for (element, when) in [("Output", When::Stepping), ("InitialUnknown", When::Start)] {
+        for output in list
+            .iter()
+            .filter(|item| item.variable.role == Role::Output)
+        {
+            let known = list
+                .iter()
+                .filter(|item| depends(output.variable, item.variable, when));
+            let references: Vec<String> = known.map(|item| item.reference.to_string()).collect();
             let attributes = [
-                ("valueReference", output.as_str()),
-                ("dependencies", &dependencies),
-                ("dependenciesKind", &kinds),
+                ("valueReference", output.reference.to_string()),
+                ("dependencies", references.join(" ")),
+                ("dependenciesKind", kinds(references.len())),
             ];
-            xml.empty(element, &attributes);
+            xml.empty(
+                element,
+                &attributes
+                    .each_ref()
+                    .map(|(name, value)| (*name, value.as_str())),
+            );
         }
     }
     xml.close();

@@ -1,11 +1,13 @@
-//! Derivatives: slopes of inputs and outputs in time, and the outputs by the inputs of the last step.
+//! Derivatives: slopes of inputs and outputs in time, and the outputs by the inputs of the last step or of this instant.
 
-use super::{Call, Instance};
+use super::{Call, Instance, Phase};
 use crate::fault::{Fault, Outcome};
 use crate::variables::{Role, Slope, Variable};
+use stickslip::Simulator;
 
 impl Instance {
-    /// Sets the first derivatives of inputs by time: a step then ends with the value that was set plus slope times step.
+    /// Sets the first derivatives of inputs by time: within the steps that follow an input is its value plus slope times the time
+    /// since the beginning of the step.
     pub fn set_slopes(&mut self, references: &[u32], orders: &[i32], values: &[f64]) -> Outcome {
         self.permit(Call::SetSlope)?;
         check_orders(references, orders, values.len())?;
@@ -14,24 +16,25 @@ impl Instance {
             .into_iter()
             .flatten()
             .collect();
-        let mut slopes = self.slopes.clone();
+        let mut ports = Vec::with_capacity(places.len());
         for (&place, &value) in places.iter().zip(values) {
-            let input = self.input_at(place)?;
+            ports.push(self.input_at(place)? as u32);
             if !value.is_finite() {
                 return Err(Fault::discard(format!(
                     "input derivative {value} is not a finite number"
                 )));
             }
-            slopes[input] = value;
         }
-        self.slopes = slopes;
+        for (&port, &value) in ports.iter().zip(values) {
+            self.simulator.set_input_slope(port, Some(value))?;
+        }
         Ok(())
     }
 
     fn input_at(&self, place: usize) -> Outcome<usize> {
         let variables = &self.component.variables;
         match variables.at(place) {
-            // the inputs are the first ports, after time
+            // the inputs are the first ports, after time: number and reference are the same
             Some(Variable {
                 role: Role::Input, ..
             }) => Ok(place - 1),
@@ -40,7 +43,8 @@ impl Instance {
         }
     }
 
-    /// First derivatives of outputs by time at the end of the last step: known exactly for displacements and slips.
+    /// First derivatives of outputs by time at the end of the last step: exact for displacements and slips, and 0, which FMI has
+    /// for a derivative that is not known, for other outputs.
     pub fn get_slopes(&mut self, references: &[u32], orders: &[i32], out: &mut [f64]) -> Outcome {
         self.permit(Call::GetSlope)?;
         self.refresh()?;
@@ -61,9 +65,10 @@ impl Instance {
                     let node = &self.values[from..from + components];
                     node.iter().map(|v| v * v).sum::<f64>().sqrt()
                 }
+                Slope::Unknown if variable.role == Role::Output => 0.0,
                 Slope::Unknown => {
                     return Err(Fault::error(format!(
-                        "{}: the derivative by time is known only for displacements and slips",
+                        "{} is not an output: it has no derivative by time",
                         variable.name
                     )));
                 }
@@ -73,7 +78,8 @@ impl Instance {
         Ok(())
     }
 
-    /// Derivatives of outputs by inputs over the last step, times a seed (see the library's `directional_derivative`).
+    /// Derivatives of outputs by inputs, times a seed: over the last step (the library's `directional_derivative`), or, where there
+    /// is none (in initialization mode, after it, after a restored state), at this instant (`instant_derivative`).
     pub fn directional(
         &mut self,
         unknowns: &[u32],
@@ -88,8 +94,10 @@ impl Instance {
             direction[input] += value;
         }
         let mut all = vec![0.0; self.simulator.output_len()];
-        self.simulator
-            .directional_derivative(&direction, &mut all)?;
+        self.differentiate(|simulator, has_step| match has_step {
+            true => simulator.directional_derivative(&direction, &mut all),
+            false => simulator.instant_derivative(&direction, &mut all),
+        })?;
         for (out, &output) in out.iter_mut().zip(&outputs) {
             *out = all[output];
         }
@@ -111,11 +119,32 @@ impl Instance {
             weights[output] += value;
         }
         let mut all = vec![0.0; self.component.model.input_count()];
-        self.simulator.adjoint_derivative(&weights, &mut all)?;
+        self.differentiate(|simulator, has_step| match has_step {
+            true => simulator.adjoint_derivative(&weights, &mut all),
+            false => simulator.instant_adjoint(&weights, &mut all),
+        })?;
         for (out, &input) in out.iter_mut().zip(&inputs) {
             *out = all[input];
         }
         Ok(())
+    }
+
+    /// Runs `take` on the simulator, and says whether it has a last step. In initialization mode the simulator stands where
+    /// leaving that mode now would bring it.
+    fn differentiate(
+        &mut self,
+        take: impl FnOnce(&mut Simulator, bool) -> stickslip::Result<()>,
+    ) -> Outcome {
+        if self.phase != Phase::Initialization {
+            let has_step = self.simulator.has_last_step();
+            return Ok(take(&mut self.simulator, has_step)?);
+        }
+        self.compile()?;
+        let before = self.simulator.state().clone();
+        let start = self.simulator.init(self.start_time);
+        let taken = start.and_then(|()| take(&mut self.simulator, false));
+        self.simulator.restore(&before)?;
+        Ok(taken?)
     }
 
     /// Numbers of outputs and inputs, each counted from the first of its kind.

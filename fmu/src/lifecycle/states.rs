@@ -21,7 +21,7 @@ impl Instance {
             saved.phase = self.phase;
             saved.start_time = self.start_time;
             saved.parameters.copy_from_slice(&self.parameters);
-            saved.slopes.copy_from_slice(&self.slopes);
+            saved.stop_time = self.stop_time;
             return Ok(handle);
         }
         let saved = Saved {
@@ -30,7 +30,7 @@ impl Instance {
             phase: self.phase,
             start_time: self.start_time,
             parameters: self.parameters.clone(),
-            slopes: self.slopes.clone(),
+            stop_time: self.stop_time,
         };
         Ok(self.keep(saved))
     }
@@ -67,7 +67,7 @@ impl Instance {
         self.phase = saved.phase;
         self.start_time = saved.start_time;
         self.parameters.copy_from_slice(&saved.parameters);
-        self.slopes.copy_from_slice(&saved.slopes);
+        self.stop_time = saved.stop_time;
         self.are_values_fresh = false;
         Ok(())
     }
@@ -100,8 +100,7 @@ impl Instance {
 
     pub fn deserialize(&mut self, bytes: &[u8]) -> Outcome<u64> {
         self.permit(Call::States)?;
-        let inputs = self.slopes.len();
-        let saved = Saved::from_bytes(bytes, inputs, |parameters| self.component_of(parameters))?;
+        let saved = Saved::from_bytes(bytes, |parameters| self.component_of(parameters))?;
         Ok(self.keep(saved))
     }
 }

@@ -126,7 +126,13 @@ impl Instance {
             let places = variables.resolve(reference).ok_or_else(unknown)?;
             if (places.start >= variables.first_choice()) != T::IS_CHOICE {
                 let name = variables.name(reference);
-                return Err(Fault::error(format!("{name} is of another type")));
+                let kind = match T::IS_CHOICE {
+                    true => "a number: it is read and set as Real (FMI 2) or Float64 (FMI 3)",
+                    false => {
+                        "an enumeration: it is read and set as Integer (FMI 2) or Int64 (FMI 3)"
+                    }
+                };
+                return Err(Fault::error(format!("{name} is {kind}")));
             }
             Ok(places)
         };
@@ -159,7 +165,8 @@ impl Instance {
         for (&place, value) in places.iter().zip(values) {
             self.check_set(place, value.to_value())?;
         }
-        // only the law of friction can still refuse: then what was set before it is taken back
+        // only the range of a friction coefficient can still refuse: then what was set before it is taken back. Whether
+        // coefficients fit each other is asked when the set is complete: at the end of the initialization, or by the next step
         let is_tunable = |place: &usize| {
             let variable = self.component.variables.at(*place);
             variable.is_some_and(|v| v.role == Role::Tunable)
@@ -196,9 +203,13 @@ impl Instance {
             Role::Output => return Err(Fault::error(format!("{} is an output", variable.name))),
             Role::Input => self.permit(Call::SetInput)?,
             Role::Tunable => self.permit(Call::SetTunable)?,
-            Role::Fixed => self
-                .permit(Call::SetFixed)
-                .map_err(|f| Fault::error(format!("{}: {}", variable.name, f.message)))?,
+            Role::Fixed => self.permit(Call::SetFixed).map_err(|_| {
+                Fault::error(format!(
+                    "{} is a fixed parameter: it is set before the initialization ends, not {}",
+                    variable.name,
+                    self.phase.name()
+                ))
+            })?,
         }
         if !value.is_finite() {
             return Err(Fault::discard(format!(

@@ -6,7 +6,7 @@ import sys
 
 class Job:
     """Attributes: fmu, identifier, token; step (s); inputs: their values, one row per communication point, those of row i
-    held at the end of step i; input_names, input_references; names, references of the variables asked for."""
+    set before the step that begins there; input_names, input_references; names, references of the variables asked for."""
 
     def __init__(self):
         self.__dict__.update(json.load(open(sys.argv[1])))

@@ -1,4 +1,4 @@
-"""Runs a job in ecospy. Values set before a step are those of its end; the initial ones go through a parameter set."""
+"""Runs a job in ecospy. Values set before a step are those of its beginning; the initial ones go through a parameter set too."""
 
 from job import Job
 from ecospy import EcosSimulation, EcosSimulationStructure
@@ -12,10 +12,10 @@ with EcosSimulationStructure() as structure, EcosParameterSet() as start:
     structure.add_parameter_set("start", start)
     with EcosSimulation(structure=structure, step_size=job.step) as simulation:
         assert simulation.init(parameter_set="start")
-        for i, inputs in enumerate(job.inputs):
-            if i:
-                for name, value in zip(job.input_names, inputs):
-                    simulation.set_real(f"pad::{name}", value)
-                simulation.step()
+        job.row(simulation.get_real(f"pad::{name}") for name in job.names)
+        for inputs in job.inputs[:-1]:
+            for name, value in zip(job.input_names, inputs):
+                simulation.set_real(f"pad::{name}", value)
+            simulation.step()
             job.row(simulation.get_real(f"pad::{name}") for name in job.names)
         simulation.terminate()

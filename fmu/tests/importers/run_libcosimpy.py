@@ -18,7 +18,7 @@ assert all(series.start_time_series(pad, reference, CosimVariableType.REAL) for 
 for reference, value in zip(job.input_references, job.inputs[0]):
     assert execution.real_initial_value(pad, reference, value)
 rows = []
-for inputs in job.inputs[1:]:
+for inputs in job.inputs[:-1]:
     assert manipulator.slave_real_values(pad, job.input_references, inputs)
     assert execution.step()
     rows.append(last.last_real_values(pad, job.references))

@@ -27,6 +27,14 @@ pub struct Time {
     /// not change the results. Default: true with `tolerance`, false without. Not with the explicit scheme `rectangle`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error_estimate: Option<bool>,
+    /// What the value of an input means in time, for loads whose `interpolation` is `linear`. Default: `end_of_step` in C, Rust
+    /// and the command; `continue` in an FMU, whose importers set inputs at the beginning of a step.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub inputs: Option<Inputs>,
+    /// Takes the explicit scheme `rectangle` beyond its stability limit, where a compilation otherwise refuses it: errors then
+    /// grow from step to step without bound. Default: false.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub force: bool,
 }
 
 impl Time {
@@ -34,6 +42,23 @@ impl Time {
     pub fn estimates_error(&self) -> bool {
         self.error_estimate.unwrap_or(self.tolerance.is_some())
     }
+}
+
+/// What the value of an input that is set before a communication step means.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Inputs {
+    /// The load at the end of the step; within it the load goes linearly from its last value. Exact where the load is linear
+    /// over the step; for hosts that know it there, or iterate with rollback.
+    #[default]
+    EndOfStep,
+    /// The load at the beginning of the step, held over it: first order in the communication step, exact for loads that jump
+    /// at communication points. Every change is a jump and takes one more solution of the friction problem.
+    Hold,
+    /// The load at the beginning of the step, continued with the slope of the last steps (at most twice the slope before it, and
+    /// none where the two differ in sign, so that a jump is held): second order where the load is smooth. The same cost
+    /// as `hold`.
+    Continue,
 }
 
 /// Time scheme.
@@ -68,12 +93,14 @@ pub enum Start {
 pub struct Fidelity {
     /// What is kept of the body. Default: `auto`.
     pub model: ModelKind,
-    /// Relative error of the reduced body seen through its ports. Default: 1e-8; a smaller one keeps more states.
+    /// Relative error of the body seen through its ports. Default: 1e-8; in a reduced model a smaller one keeps more states. A body
+    /// of which 64-bit numbers lose more is refused, whatever the model: one of very flat cells, or nearly incompressible.
     #[schemars(range(min = 1e-12, max = 1e-1))]
     pub tolerance: f64,
     /// Precision in which a reduced model keeps its port matrix; only with `model` `reduced`. Default: `double`.
     pub precision: Precision,
-    /// Relative residual of the friction law at every contact node. Default: 1e-10; costs few iterations.
+    /// Force by which the friction law may be violated at a contact node, relative to the bound there: a tolerance of the
+    /// stress. Default: 1e-10; costs few iterations.
     #[schemars(range(min = 1e-14, max = 1e-2))]
     pub friction_tolerance: f64,
     /// Relative error that the compilation is to meet, e.g. 0.01; default: none, and all settings are as given. The error
@@ -86,6 +113,11 @@ pub struct Fidelity {
     #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub target_error: Option<f64>,
+    /// Most memory that compilation, model and one simulator may take by estimate, bytes; what needs more is refused with the
+    /// estimate. Default: 8 GiB.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub memory_limit: Option<f64>,
     /// Friction solver. Default: `newton`.
     pub solver: FrictionSolver,
     /// Looks, at every step, for a second solution from all-static and all-kinetic bounds; costs two more solves.
@@ -101,9 +133,17 @@ impl Default for Fidelity {
             precision: Precision::Double,
             friction_tolerance: 1e-10,
             target_error: None,
+            memory_limit: None,
             solver: FrictionSolver::default(),
             multiplicity_test: false,
         }
+    }
+}
+
+impl Fidelity {
+    /// Most memory, bytes.
+    pub fn memory_limit(&self) -> f64 {
+        self.memory_limit.unwrap_or(8.0 * f64::from(1 << 30))
     }
 }
 

@@ -51,12 +51,37 @@ impl Default for Run {
 pub enum Signal {
     /// The same value at all times.
     Constant(f64),
-    /// Pairs of time and value, linear between them, constant outside; times increase strictly.
+    /// Pairs of time and value, linear between them, constant outside; times increase. A time that stands twice is a jump: the
+    /// first value holds up to it, the second from it on.
     Table(#[schemars(length(min = 1))] Vec<[f64; 2]>),
 }
 
 impl Signal {
-    /// Value at time `t`.
+    /// Value up to time `t`: the one before the jump where there is one.
+    pub fn before(&self, t: f64) -> f64 {
+        match self {
+            Signal::Constant(value) => *value,
+            Signal::Table(points) => {
+                let from = points.partition_point(|p| p[0] < t);
+                match points.get(from) {
+                    Some(point) if point[0] == t => point[1],
+                    _ => self.at(t),
+                }
+            }
+        }
+    }
+
+    /// The times at which the value jumps, in their order.
+    pub fn jumps(&self) -> impl Iterator<Item = f64> {
+        let points = match self {
+            Signal::Constant(_) => &[],
+            Signal::Table(points) => points.as_slice(),
+        };
+        let pairs = points.windows(2).filter(|p| p[0][0] == p[1][0]);
+        pairs.filter(|p| p[0][1] != p[1][1]).map(|p| p[0][0])
+    }
+
+    /// Value from time `t` on: the one after the jump where there is one.
     pub fn at(&self, t: f64) -> f64 {
         match self {
             Signal::Constant(value) => *value,

@@ -3,6 +3,7 @@
 use super::super::refusal::Refusal;
 use super::super::types::*;
 use super::{MAX_NODES, Verdict, check_vector, ensure, json, length};
+use crate::message::{cut, number};
 
 pub(super) fn check_mesh(scene: &Scene) -> Verdict {
     let mesh = &scene.mesh;
@@ -51,8 +52,8 @@ pub(super) fn check_material(scene: &Scene) -> Verdict {
     ensure(positive(trace(viscosity)), || {
         let found = format!(
             "{} ({dimension} mu1 + mu2 = {})",
-            viscosity.0,
-            trace(viscosity)
+            number(viscosity.0),
+            number(trace(viscosity))
         );
         let allowed =
             format!("{dimension} mu1 + mu2 finite and > 0: otherwise the body gains energy");
@@ -79,6 +80,7 @@ pub(super) fn check_material(scene: &Scene) -> Verdict {
         positive(elasticity.1) && positive(trace(elasticity)),
         || {
             let (lambda, two_mu) = elasticity;
+            let (lambda, two_mu) = (number(lambda), number(two_mu));
             let found = format!("lambda = {lambda}, 2 mu = {two_mu}");
             let allowed = format!("2 mu and {dimension} lambda + 2 mu finite and > 0");
             Refusal::new("material.elasticity", found, allowed)
@@ -111,10 +113,14 @@ pub(super) fn check_clamped(scene: &Scene) -> Verdict {
         let path = format!("clamped[{i}]");
         check_part(&scene.mesh, part, &path)?;
         ensure(!scene.clamped[..i].contains(part), || {
-            Refusal::new(&path, format!("{part:?} a second time"), "each part once")
+            Refusal::new(
+                &path,
+                format!("{:?} a second time", cut(part)),
+                "each part once",
+            )
         })?;
         ensure(*part != scene.contact.part, || {
-            let found = format!("{part:?}, which is contact.part");
+            let found = format!("{:?}, which is contact.part", cut(part));
             Refusal::new(&path, found, "parts that are not in contact")
         })?;
     }
@@ -133,7 +139,8 @@ pub(super) fn check_contact(scene: &Scene) -> Verdict {
     })?;
     if let Friction::Exponential { a, b, .. } = contact.friction {
         ensure(a >= b, || {
-            Refusal::new("contact.friction.a", a, format!("at least b = {b}"))
+            let allowed = format!("at least b = {}", number(b));
+            Refusal::new("contact.friction.a", number(a), allowed)
         })?;
     }
     if let Some(tangent) = &contact.tangent {

@@ -1,0 +1,209 @@
+//! How much memory a scene takes, before it is taken.
+//!
+//! Estimates are sums of the large arrays: mesh, operators, sparse factor, matrices of contact order, recorded past. They are
+//! made from the scene alone before there is a mesh, and again with the true sizes of mesh and factor. A scene beyond
+//! `fidelity.memory_limit`, or beyond what the machine gives, is refused with the estimate.
+
+use crate::error::{Error, Result};
+use crate::fem::Body;
+use crate::scene::{ElementKind, ModelKind, Scene};
+use crate::state::history_row;
+
+const NUMBER: f64 = 8.0;
+/// Samples that a reduction holds, and shifts among them.
+const SAMPLES: f64 = 13.0;
+const SHIFTS: f64 = 4.0;
+/// Fields that a reduction holds per force.
+const FIELDS: f64 = 10.0;
+/// Step sizes whose factors a simulator keeps.
+const STEP_SIZES: f64 = 4.0;
+
+/// Sizes of a body.
+#[derive(Debug, Clone, Copy)]
+pub struct Sizes {
+    nodes: f64,
+    cells: f64,
+    dofs: f64,
+    /// Entries of a lower triangle of the operators.
+    entries: f64,
+    /// Entries of a sparse factor.
+    factor: f64,
+    /// Tangential contact components, and the other ports.
+    contact: f64,
+    others: f64,
+}
+
+impl Sizes {
+    /// From the scene alone; refinement counts as far as its boxes are filled.
+    pub fn of_scene(scene: &Scene) -> Sizes {
+        let mesh = &scene.mesh;
+        let d = mesh.dimension() as f64;
+        let boxes = mesh.refinements().iter().map(|r| {
+            let (from, to) = (r.from, r.upper());
+            2.0 * (to[0] - from[0]) * (to[1] - from[1]) / (r.size * r.size)
+        });
+        let nodes = mesh.node_bound(scene.element) as f64 + boxes.sum::<f64>();
+        let dofs = d * nodes;
+        let axis = mesh.normal_axis(&scene.contact.part).map(|a| a.index());
+        let along = mesh
+            .cells()
+            .iter()
+            .enumerate()
+            .filter(|(i, _)| Some(*i) != axis);
+        let corners: f64 = along
+            .map(|(_, &n)| scene.element.nodes_along(n) as f64)
+            .product();
+        // sides normal to z have the centres of the cells too
+        let on_contact = if axis == Some(2) {
+            2.0 * corners
+        } else {
+            corners
+        };
+        let (rows, separator) = match (mesh.dimension(), scene.element) {
+            // a separator is as long as the shorter side, and its dofs become a dense triangle
+            (2, element) => (
+                if element == ElementKind::P1 {
+                    8.0
+                } else {
+                    13.0
+                },
+                7.75 * nodes * nodes.max(2.0).log2(),
+            ),
+            _ => (24.0, 9.0 * nodes.powf(4.0 / 3.0)),
+        };
+        Sizes {
+            nodes,
+            cells: 2.0 * nodes * (d - 1.0),
+            dofs,
+            entries: rows * dofs,
+            factor: separator,
+            contact: on_contact * (d - 1.0),
+            others: ports(scene),
+        }
+    }
+
+    /// Of an assembled body whose factors have `factor` entries.
+    pub fn of_body(scene: &Scene, body: &Body, factor: usize) -> Sizes {
+        Sizes {
+            nodes: body.mesh.nodes.len() as f64,
+            cells: body.mesh.cell_count() as f64,
+            dofs: body.len() as f64,
+            entries: body.operators.row_idx.len() as f64,
+            factor: factor as f64,
+            contact: body.contact_len() as f64,
+            others: ports(scene),
+        }
+    }
+
+    /// Mesh, operators and one factor, bytes: every model needs them.
+    fn of_mesh(&self) -> f64 {
+        NUMBER * (8.0 * self.nodes + 4.0 * self.cells + 6.0 * self.entries + self.factor)
+    }
+
+    /// What a reduction adds, bytes.
+    fn of_reduction(&self) -> f64 {
+        let ports = self.contact + self.others;
+        let fields = 2.0 * FIELDS * (3.0 + self.others.min(6.0)) * self.dofs;
+        let gram = (SHIFTS * ports).powi(2);
+        NUMBER * (2.0 * SAMPLES * ports.powi(2) + 4.0 * gram + fields)
+    }
+
+    /// What the full or condensed model adds, with one simulator, bytes.
+    fn of_whole(&self) -> f64 {
+        let stage = self.factor + self.contact.powi(2);
+        NUMBER
+            * (3.0 * self.entries
+                + STEP_SIZES * stage
+                + 6.0 * self.contact.powi(2)
+                + 20.0 * self.dofs)
+    }
+
+    /// The recorded past of one simulator, which holds three states, bytes.
+    fn of_past(&self, scene: &Scene) -> f64 {
+        let row = history_row(self.contact as usize) as f64;
+        3.0 * NUMBER * f64::from(scene.history.capacity) * row
+    }
+
+    /// Refuses a scene whose model of the least memory goes beyond the limit.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] at `history.capacity` or `mesh.cells`.
+    pub fn check(&self, scene: &Scene) -> Result<()> {
+        let past = self.of_past(scene);
+        let added = match scene.fidelity.model {
+            ModelKind::Full | ModelKind::Condensed => self.of_whole(),
+            ModelKind::Reduced => self.of_reduction(),
+            ModelKind::Auto => self.of_whole().min(self.of_reduction()),
+        };
+        let body = self.of_mesh() + added;
+        if past > body {
+            let found = format!(
+                "{} with {} contact components",
+                scene.history.capacity, self.contact
+            );
+            ensure(scene, "history.capacity", found, past + body)
+        } else {
+            let found = format!("{:?}, {:.0} nodes", scene.mesh.cells(), self.nodes);
+            ensure(scene, "mesh.cells", found, past + body)
+        }
+    }
+
+    /// Refuses a reduction beyond the limit.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] at `fidelity.model`.
+    pub fn check_reduction(&self, scene: &Scene) -> Result<()> {
+        let found = format!("a reduced model of {} contact components", self.contact);
+        let needed = self.of_mesh() + self.of_reduction() + self.of_past(scene);
+        ensure(scene, "fidelity.model", found, needed)
+    }
+}
+
+fn ports(scene: &Scene) -> f64 {
+    (scene.loads.len() + scene.probes.len() * scene.mesh.dimension()) as f64
+}
+
+fn ensure(scene: &Scene, path: &str, found: String, needed: f64) -> Result<()> {
+    let limit = scene.fidelity.memory_limit();
+    let refuse = |allowed: String| {
+        Err(Error::Scene {
+            source_name: scene.name.clone(),
+            path: path.to_owned(),
+            found: format!("{found}, which takes about {}", gigabytes(needed)),
+            allowed,
+        })
+    };
+    if needed.is_nan() || needed > limit {
+        return refuse(format!(
+            "what takes at most {} (fidelity.memory_limit)",
+            gigabytes(limit)
+        ));
+    }
+    if !is_available(needed as usize) {
+        return refuse("what this machine has memory for".to_owned());
+    }
+    Ok(())
+}
+
+fn gigabytes(bytes: f64) -> String {
+    format!("{:.3} GB", 1e-9 * bytes)
+}
+
+/// Refuses what takes more memory than the machine gives now.
+///
+/// # Errors
+/// [`Error::Body`].
+pub(crate) fn ensure_available(what: &str, bytes: usize) -> Result<()> {
+    if is_available(bytes) {
+        return Ok(());
+    }
+    let needed = gigabytes(bytes as f64);
+    Err(Error::Body {
+        what: format!("{what} takes about {needed}, more than this machine has memory for"),
+    })
+}
+
+/// Whether the machine would give this much memory now; none is taken.
+fn is_available(bytes: usize) -> bool {
+    Vec::<u8>::new().try_reserve_exact(bytes).is_ok()
+}

@@ -1,0 +1,64 @@
+//! What the inputs of a simulator mean in time, and their slopes.
+
+use super::Simulator;
+use crate::error::{Error, Result};
+use crate::input_course;
+use crate::ports::Quantity;
+use crate::scene::Inputs;
+
+impl Simulator {
+    /// Says what inputs mean from now on: by default what `time.inputs` of the scene says, and without it the load at the end of
+    /// the next step. Before initialization; [`Simulator::reset`] takes it back.
+    ///
+    /// # Errors
+    /// [`Error::CallOrder`] after initialization.
+    pub fn set_inputs_meaning(&mut self, meaning: Inputs) -> Result<()> {
+        if self.state.is_initialized != 0 {
+            return Err(Error::CallOrder {
+                call: "set_inputs_meaning",
+                expected: "before init",
+            });
+        }
+        self.state.set_meaning(meaning);
+        Ok(())
+    }
+
+    /// What inputs mean.
+    pub fn inputs_meaning(&self) -> Inputs {
+        self.state.meaning()
+    }
+
+    /// Gives an input its slope, 1/s times its unit: in the steps that follow the load is the input at their beginning plus
+    /// slope times time, whatever inputs mean otherwise. `None` takes the slope away.
+    ///
+    /// # Errors
+    /// [`Error::Unknown`], [`Error::CallOrder`] for a port that is not an input, [`Error::Value`] for a number that is not finite.
+    pub fn set_input_slope(&mut self, reference: u32, slope: Option<f64>) -> Result<()> {
+        let port = self.model.ports().get(reference)?;
+        let Quantity::Load(load) = port.quantity else {
+            return Err(Error::CallOrder {
+                call: "set_input_slope",
+                expected: "the port is an input",
+            });
+        };
+        match slope.filter(|slope| !slope.is_finite()) {
+            Some(found) => Err(Error::Value {
+                what: format!("slope of {}", port.name),
+                found,
+                allowed: "a finite number",
+            }),
+            None => {
+                input_course::give_slope(&mut self.state, load, slope);
+                Ok(())
+            }
+        }
+    }
+
+    /// The slope that was given for an input; `None` without one, and for other ports.
+    pub fn input_slope(&self, reference: u32) -> Option<f64> {
+        match self.model.ports().get(reference).ok()?.quantity {
+            Quantity::Load(load) => input_course::given_slope(&self.state, load),
+            _ => None,
+        }
+    }
+}
