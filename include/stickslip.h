@@ -192,9 +192,6 @@ typedef struct stickslip_port {
   size_t offset;
 } stickslip_port;
 
-// All codes.
-#define stickslip_code_ALL { stickslip_code_Scene, stickslip_code_Body, stickslip_code_ReductionInaccurate, stickslip_code_NotConverged, stickslip_code_NotPositiveDefinite, stickslip_code_Step, stickslip_code_Length, stickslip_code_Value, stickslip_code_Unknown, stickslip_code_CallOrder, stickslip_code_Bytes, stickslip_code_Fingerprint, stickslip_code_Unstable, stickslip_code_Null, stickslip_code_Poisoned, stickslip_code_ToleranceOutOfReach, stickslip_code_Cancelled, }
-
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -366,8 +363,6 @@ int32_t stickslip_set_many(struct stickslip_simulator *simulator,
 // into internal steps. Allocates nothing once the step size is known. Returns `NOT_UNIQUE` (> 0) when the step was
 // taken but the multiplicity test found other solutions, `AT_ROUNDING` (> 0) when it was taken but rounding kept the friction
 // law from holding to its tolerance. Errors, with the state bit for bit as before: `CALL_ORDER` before
-// `stickslip_init`, `STEP`, `VALUE` for friction coefficients that do not fit each other, `NOT_CONVERGED`.
-// taken but the multiplicity test found other solutions. Errors, with the state bit for bit as before: `CALL_ORDER` before
 // `stickslip_init`, `STEP`, `VALUE` for friction coefficients that do not fit each other, `NOT_CONVERGED`,
 // `TOLERANCE_OUT_OF_REACH`, `OVERFLOW` for results that are too large for a number.
 int32_t stickslip_do_step(struct stickslip_simulator *simulator,
@@ -531,8 +526,6 @@ int32_t stickslip_set_many(struct stickslip_simulator *simulator,
 // into internal steps. Allocates nothing once the step size is known. Returns `NOT_UNIQUE` (> 0) when the step was
 // taken but the multiplicity test found other solutions, `AT_ROUNDING` (> 0) when it was taken but rounding kept the friction
 // law from holding to its tolerance. Errors, with the state bit for bit as before: `CALL_ORDER` before
-// `stickslip_init`, `STEP`, `VALUE` for friction coefficients that do not fit each other, `NOT_CONVERGED`.
-// taken but the multiplicity test found other solutions. Errors, with the state bit for bit as before: `CALL_ORDER` before
 // `stickslip_init`, `STEP`, `VALUE` for friction coefficients that do not fit each other, `NOT_CONVERGED`,
 // `TOLERANCE_OUT_OF_REACH`, `OVERFLOW` for results that are too large for a number.
 int32_t stickslip_do_step(struct stickslip_simulator *simulator,

@@ -9,10 +9,13 @@ mod common;
 use common::{largest, paper, start, value, values};
 use stickslip::{Scene, Simulator};
 
+/// The embedded pad with internal steps of 0.01 s, with which the figures below were computed.
 fn pad(overrides: &[(&str, &str)]) -> Scene {
     let text = stickslip::scene::example("brake_pad_3d").unwrap();
-    let all: Vec<_> = overrides
+    let step = [("time.step", "0.01")];
+    let all: Vec<_> = step
         .iter()
+        .chain(overrides)
         .map(|(path, value)| (path.to_string(), value.to_string()))
         .collect();
     Scene::with_overrides(text, "brake_pad_3d", &all).unwrap()

@@ -59,6 +59,21 @@ fn check_prints_ports_certificate_rates_and_step() {
             "{promised} is not in\n{printed}"
         );
     }
+    assert!(!printed.contains("lost digits"));
+    // steps of 1e14 relaxation times: the sums of the trapezoid cancel, those of an L-stable scheme do not
+    let stiff = [
+        "check",
+        "kazmi2014",
+        "--set",
+        "material.elasticity.young=1e15",
+    ];
+    let told = shell.succeed(&stiff);
+    assert!(
+        told.contains("lost digits") && told.contains("tr_bdf2"),
+        "{told}"
+    );
+    let stable = [&stiff[..], &["--set", "time.scheme=backward_euler"]].concat();
+    assert!(!shell.succeed(&stable).contains("lost digits"));
     let unstable = shell.run(&[
         "check",
         "kazmi2014",
