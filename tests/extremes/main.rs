@@ -49,7 +49,12 @@ fn no_extreme_scene_is_answered_wrongly() {
             if !told.contains(&finding.oracle) {
                 told.push(finding.oracle);
                 println!(
-                    "WRONG {i} {:?} {}D {} {} {:?}: {}: {:.1e} > {:.1e}: {}",
+                    "{} {i} {:?} {}D {} {} {:?}: {}: {:.1e} > {:.1e}: {}",
+                    if judge.is_known_limit() {
+                        "KNOWN"
+                    } else {
+                        "WRONG"
+                    },
                     case.extremes,
                     case.dimension(),
                     case.model,

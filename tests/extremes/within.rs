@@ -43,7 +43,8 @@ impl Judge<'_> {
             let error = if violated == 0.0 {
                 0.0
             } else {
-                violated / bound
+                // numbers that small have no digits of their own
+                violated / bound.max(1e-300 * self.case.law.bound(0.0))
             };
             self.find(oracle, error, allowed, detail);
         }

@@ -15,7 +15,7 @@ pub struct Problem {
 
 pub struct Solution {
     pub w: Vec<Real>,
-    /// `S w - r`: the force on the body, N.
+    /// The force on the body, N: `S w - r` at a node that sticks, the bound against the slip at one that slips.
     pub y: Vec<Real>,
     /// How far the slip rates (m/s) are off when every node misses its balance of forces by a relative 1.
     pub rate_per_residual: f64,
@@ -79,12 +79,27 @@ impl Problem {
             let y = self.forces(&w);
             match self.node_to_release(&w, &y) {
                 None => {
+                    let y = self.with_bounds(&w, y, &slipping);
                     return self.with_effects(w, y, &slipping);
                 }
                 Some(node) => self.release(node, &y, &mut w),
             }
         }
         None
+    }
+
+    /// The forces of nodes that slip by the law: in `S w - r` a bound below 1e-96 of the forces that meet is rounding.
+    fn with_bounds(&self, w: &[Real], mut y: Vec<Real>, slipping: &[usize]) -> Vec<Real> {
+        let c = self.components;
+        for &node in slipping {
+            let velocity = &w[node * c..(node + 1) * c];
+            let rate = self.norm(velocity);
+            let (bound, _) = self.law(node, &rate);
+            for (p, x) in velocity.iter().enumerate() {
+                y[node * c + p] = -&(&bound * &(x / &rate));
+            }
+        }
+        y
     }
 
     /// One step on the slipping nodes; whether they have settled.
