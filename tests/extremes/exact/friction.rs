@@ -37,10 +37,17 @@ impl Problem {
             Law::Tresca(bound) => (weight * &Real::new(bound), Real::zero()),
             Law::Exponential { a, b, alpha } => {
                 let (a, b, alpha) = (Real::new(a), Real::new(b), Real::new(alpha));
-                let decay = (-&(&alpha * rate)).exp_m1();
+                let exponent = -&(&alpha * rate);
                 let drop = &a - &b;
-                let bound = &a + &(&drop * &decay);
-                let slope = -&(&alpha * &drop * (&Real::new(1.0) + &decay));
+                // from the nearer end: a bound below 1e-96 of that at rest keeps its digits
+                let (bound, left) = if exponent < Real::new(-1.0) {
+                    let left = exponent.exp();
+                    (&b + &(&drop * &left), left)
+                } else {
+                    let decay = exponent.exp_m1();
+                    (&a + &(&drop * &decay), &Real::new(1.0) + &decay)
+                };
+                let slope = -&(&alpha * &drop * left);
                 (weight * &bound, weight * &slope)
             }
         }
@@ -69,11 +76,7 @@ impl Problem {
             let slipping: Vec<usize> = (0..self.weights.len())
                 .filter(|node| w[node * c..(node + 1) * c].iter().any(|x| !x.is_zero()))
                 .collect();
-            let settled = match self.newton(&mut w, &slipping) {
-                Some(settled) => settled,
-                None => return None,
-            };
-            if !settled {
+            if !self.newton(&mut w, &slipping)? {
                 continue;
             }
             let y = self.forces(&w);

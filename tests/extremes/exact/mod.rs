@@ -176,7 +176,6 @@ impl Solver {
     /// `M w + E Lambda = F f - B p`, `M = A + theta k B`; the velocity goes into `w`.
     fn stage(&mut self, p: &[Real], theta: f64, loads: &[Real], guess: &[f64]) -> Option<Solution> {
         let at = self.operator(theta)?;
-        let n = self.body.free();
         let start = self.body.contact_start();
         let mut force: Vec<Real> = self.body.b.iter().map(|row| -&dot(row, p)).collect();
         for (column, load) in self.body.loads.iter().zip(loads) {
@@ -202,9 +201,8 @@ impl Solver {
         };
         let solution = problem.solve(guess)?;
         // the friction force y on the body moves it from the free velocity
-        for i in 0..n {
-            let correction = dot(&operator.columns[i], &solution.y);
-            self.w[i] = &free[i] + &correction;
+        for (i, (free, column)) in free.iter().zip(&operator.columns).enumerate() {
+            self.w[i] = free + &dot(column, &solution.y);
         }
         for (i, w) in solution.w.iter().enumerate() {
             self.w[start + i] = w.clone();

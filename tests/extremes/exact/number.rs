@@ -51,6 +51,14 @@ impl Real {
         Real(self.0.exp_m1())
     }
 
+    /// Of a number below 0; nothing below -1000, where it is no double either.
+    pub fn exp(&self) -> Real {
+        if self.double() < -1000.0 {
+            return Real::zero();
+        }
+        Real(self.0.exp())
+    }
+
     pub fn abs(&self) -> Real {
         if *self < Real::zero() {
             -self
