@@ -5,7 +5,7 @@
 
 use super::evaluation::{Evaluation, NodalLaw, Nodes, SlipPath};
 use crate::error::{Error, Result};
-use crate::linalg::exp_m1;
+use crate::linalg::{exp_m1, exp_m1_and_exp};
 use crate::scene::Friction;
 
 /// A friction bound `g >= 0` in Pa.
@@ -163,13 +163,13 @@ impl FrictionLaw for Law {
         match *self {
             Law::Frictionless => 0.0,
             Law::Tresca { bound } => bound,
-            Law::Exponential { a, b, alpha } => a + (a - b) * exp_m1(-alpha * rate),
+            Law::Exponential { a, b, alpha } => decayed(a, b, alpha, rate).bound,
         }
     }
 
     fn slope(&self, _node: usize, rate: f64, _slip: SlipPath) -> f64 {
         match *self {
-            Law::Exponential { a, b, alpha } => -alpha * (a - b) * (1.0 + exp_m1(-alpha * rate)),
+            Law::Exponential { a, b, alpha } => decayed(a, b, alpha, rate).slope,
             _ => 0.0,
         }
     }
@@ -208,13 +208,44 @@ impl FrictionLaw for Law {
     }
 }
 
+/// Share of the static bound below which `a + (a - b) expm1` has lost digits of the bound.
+const SMALL_SHARE: f64 = 1.0 / 1024.0;
+
+/// Bound and slope of the exponential law, and the `expm1` they are made of.
+struct Decayed {
+    bound: f64,
+    slope: f64,
+    decay: f64,
+}
+
+/// A bound that has decayed far below the static one keeps its digits: it is then summed from its kinetic end.
+#[inline(always)]
+fn decayed(a: f64, b: f64, alpha: f64, rate: f64) -> Decayed {
+    let [decay, left] = exp_m1_and_exp(-alpha * rate);
+    let from_rest = a + (a - b) * decay;
+    let is_small = from_rest < SMALL_SHARE * a;
+    Decayed {
+        bound: if is_small {
+            b + (a - b) * left
+        } else {
+            from_rest
+        },
+        slope: -alpha * (a - b) * if is_small { left } else { 1.0 + decay },
+        decay,
+    }
+}
+
 /// One exponential serves bound, slope and potential.
 #[inline(always)]
 fn exponential(a: f64, b: f64, alpha: f64, rate: f64) -> Evaluation {
-    let decay = exp_m1(-alpha * rate);
+    let Decayed {
+        bound,
+        slope,
+        decay,
+    } = decayed(a, b, alpha, rate);
     Evaluation {
-        bound: a + (a - b) * decay,
-        slope: -alpha * (a - b) * (1.0 + decay),
+        bound,
+        slope,
         potential: b * rate - (a - b) / alpha * decay,
     }
 }
@@ -291,6 +322,23 @@ mod tests {
             }
             assert_eq!(law.potential(0, 0.0, AT), 0.0);
             assert!((law.bound(0, 0.0, AT) - law.static_bound()).abs() < 1e-15);
+        }
+    }
+
+    /// `a + (a - b) expm1` would leave only what rounding of `a` leaves: 7e-5 of the bound at the first of these rates.
+    #[test]
+    fn a_bound_far_below_the_static_one_keeps_its_digits() {
+        let (a, alpha) = (0.002_915_296_635_569_256, 15.905_690_361_416_516);
+        for b in [0.0, 1.829_174_241_068_124_5e-13] {
+            let law = Law::Exponential { a, b, alpha };
+            for rate in [1.752_592_413_445_908_5, 0.6, 5.0, 40.0] {
+                let right = b + (a - b) * (-alpha * rate).exp();
+                let slope = -alpha * (a - b) * (-alpha * rate).exp();
+                for found in [law.bound(0, rate, AT), law.evaluate(0, rate, AT).bound] {
+                    assert!((found / right - 1.0).abs() < 1e-12, "{found:e} {right:e}");
+                }
+                assert!((law.slope(0, rate, AT) / slope - 1.0).abs() < 1e-12);
+            }
         }
     }
 

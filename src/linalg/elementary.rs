@@ -20,8 +20,16 @@ const SERIES: [f64; 12] = {
 /// `exp(x) - 1` for `x <= 0`, to a few units in the last place, small arguments included; exactly 0 at 0.
 #[inline(always)]
 pub fn exp_m1(x: f64) -> f64 {
+    exp_m1_and_exp(x)[0]
+}
+
+/// `exp(x) - 1` and `exp(x)` for `x <= 0`, each to a few units in the last place: where the first is -1 to rounding, the second
+/// keeps its digits; 0 below -700, where it is less than 1e-304.
+#[inline(always)]
+pub fn exp_m1_and_exp(x: f64) -> [f64; 2] {
     // a comparison and not `max`: NaN stays NaN
-    let x = if x < SMALLEST { SMALLEST } else { x };
+    let is_nothing = x < SMALLEST;
+    let x = if is_nothing { SMALLEST } else { x };
     let shifted = x * std::f64::consts::LOG2_E + ROUND;
     let k = shifted - ROUND;
     let f = (x - k * LN_2[0]) - k * LN_2[1];
@@ -32,7 +40,12 @@ pub fn exp_m1(x: f64) -> f64 {
     let part = f + f * f * sum;
     // 2^k from the bits of its exponent
     let power = f64::from_bits(shifted.to_bits().wrapping_add(1023) << 52);
-    power * part + (power - 1.0)
+    let exp = if is_nothing {
+        0.0
+    } else {
+        power * part + power
+    };
+    [power * part + (power - 1.0), exp]
 }
 
 /// Sums of squares between which neither overflow nor underflow of a square shows.
@@ -53,7 +66,7 @@ pub fn length(x: f64, y: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{exp_m1, length};
+    use super::{exp_m1, exp_m1_and_exp, length};
 
     #[test]
     fn length_agrees_with_the_library() {
@@ -89,5 +102,12 @@ mod tests {
             }
         }
         assert!(worst < 4.0 * f64::EPSILON, "{worst:e}");
+        for i in 0..70_000 {
+            let x = -0.01 * f64::from(i);
+            let [m1, exp] = exp_m1_and_exp(x);
+            assert_eq!(m1, exp_m1(x));
+            assert!((exp / x.exp() - 1.0).abs() < 4.0 * f64::EPSILON, "{x}");
+        }
+        assert_eq!(exp_m1_and_exp(f64::NEG_INFINITY), [-1.0, 0.0]);
     }
 }

@@ -21,7 +21,7 @@ mod triangle;
 pub use cholesky::DenseCholesky;
 pub use dense::{mirror_lower, pivoted_cholesky, symmetric_eigen, symmetric_eigenvalues};
 pub use double::{add_scaled, dot};
-pub use elementary::{exp_m1, length};
+pub use elementary::{exp_m1, exp_m1_and_exp, length};
 pub use products::{column, multiply, multiply_transposed};
 pub use sparse::SparseCholesky;
 pub use stored::StoredMatrix;
