@@ -69,7 +69,7 @@ fn check_prints_ports_certificate_rates_and_step() {
     ];
     let told = shell.succeed(&stiff);
     assert!(
-        told.contains("lost digits") && told.contains("tr_bdf2"),
+        told.contains("lost digits") && told.contains("backward_euler"),
         "{told}"
     );
     let stable = [&stiff[..], &["--set", "time.scheme=backward_euler"]].concat();
