@@ -202,7 +202,7 @@ impl<L: FrictionLaw> ContactProblem<'_, L> {
     /// What is left of the residual of an exact point when rounding is taken into account; `None` where some node violates
     /// by more than `tolerance` times its bound and more than rounding.
     ///
-    /// The forces of the body are known to `eps (|S| |w| + |r|)` at best, times [`ROUNDING`], and rounding is no excuse for
+    /// The forces of the body are known to `eps (|S| |w| + |r|)` at best, times `ROUNDING`, and rounding is no excuse for
     /// more than [`LARGEST_FLOOR`] of the forces that meet. What is left counts over the forces that meet at such a node.
     #[inline(never)]
     pub fn residual_beyond_rounding(
