@@ -41,39 +41,28 @@
 //! Nothing here prints, exits, starts a thread, reads the environment or keeps global state, and a step of a reduced
 //! model allocates nothing.
 
+pub mod body;
 mod bytes;
 #[cfg(feature = "capi")]
 pub mod capi;
-mod companion;
-pub mod course;
+pub mod contact;
 pub mod error;
-mod error_estimate;
 pub mod fem;
-mod finite;
 pub mod float_environment;
-pub mod friction;
-mod input_course;
 pub mod linalg;
 pub mod mesh;
 pub mod message;
 pub mod model;
 pub mod ports;
-pub mod qvi;
-mod readout;
-mod record;
+mod progress;
 pub mod scene;
-mod sensitivity;
-mod simulator;
-mod stage;
+pub mod simulator;
 mod state;
-mod step;
-mod step_control;
-mod step_sizes;
+pub mod time;
 pub mod tradeoff;
-mod workspace;
 
+pub use contact::solve::newton::Work;
 pub use error::{Error, ErrorCode, Result};
-pub use friction::newton::Work;
 pub use model::{Compilation, Model, compile};
 pub use scene::Scene;
 pub use simulator::{Past, Simulator};

@@ -3,8 +3,8 @@
 mod common;
 
 use common::{paper, relative, values};
-use stickslip::course::{Points, set_loads, step_to};
 use stickslip::scene::Signal;
+use stickslip::simulator::course::{Points, set_loads, step_to};
 use stickslip::{Scene, Simulator, compile};
 
 fn with_signal(mut scene: Scene, table: &[[f64; 2]]) -> Scene {

@@ -4,7 +4,7 @@ mod common;
 
 use common::{paper, start, value};
 use stickslip::Simulator;
-use stickslip::friction::newton::Work;
+use stickslip::contact::solve::newton::Work;
 
 /// Work, and Newton steps, of one step.
 fn step(simulator: &mut Simulator, size: f64) -> (Work, f64) {

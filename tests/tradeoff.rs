@@ -4,7 +4,7 @@ mod common;
 
 use common::paper;
 use std::sync::Arc;
-use stickslip::course::{Points, set_loads};
+use stickslip::simulator::course::{Points, set_loads};
 use stickslip::tradeoff::{Measured, Quantity, Reference, Sample, Setting, Study, cells};
 use stickslip::{Compilation, Error, Model, Scene, Simulator, compile};
 

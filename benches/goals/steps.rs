@@ -9,7 +9,7 @@ use faer::{Accum, Mat, MatMut, MatRef, Par};
 use serde_json::{Value, json};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use stickslip::course::{Points, set_loads, set_loads_of_step};
+use stickslip::simulator::course::{Points, set_loads, set_loads_of_step};
 use stickslip::{Model, Scene, Simulator, linalg};
 
 /// Time for the runs of one kind.

@@ -2,7 +2,7 @@
 
 use crate::failure::Failure;
 use std::time::{Duration, Instant};
-use stickslip::course::{Points, set_loads, step_to};
+use stickslip::simulator::course::{Points, set_loads, step_to};
 use stickslip::{Scene, Simulator};
 
 /// The contact and the energies at one communication point. Contact arrays go node by node, components inner.

@@ -75,7 +75,7 @@ pub fn contact_forces(body: &Body, displacement: &[[f64; 3]], velocity: &[[f64; 
 mod tests {
     use super::*;
     use crate::paper::example;
-    use stickslip::qvi::strain_weights;
+    use stickslip::model::certificate::strain_weights;
 
     /// The stress of the elements balances what the friction solver found, and the strain norm is `x A + y B`.
     #[test]

@@ -13,8 +13,8 @@ use crate::vtk::Series;
 use std::sync::Arc;
 use std::time::Instant;
 use stickslip::Simulator;
-use stickslip::course::Points;
 use stickslip::message::escaped;
+use stickslip::simulator::course::Points;
 
 pub fn run(options: &RunOptions) -> Result<(), Failure> {
     let mut replaced = Vec::new();

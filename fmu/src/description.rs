@@ -10,7 +10,7 @@ use crate::parameters;
 use crate::variables::{Follows, Role, Variable, Variables};
 use crate::xml::Xml;
 use std::sync::Arc;
-use stickslip::course::Points;
+use stickslip::simulator::course::Points;
 use stickslip::{Model, Scene, Simulator};
 
 /// Name of the shared library, without prefix and suffix.

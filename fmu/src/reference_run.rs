@@ -4,8 +4,8 @@ use crate::parameters;
 use crate::variables::{Role, Variables};
 use std::fmt::Write;
 use std::sync::Arc;
-use stickslip::course::{Points, set_loads, set_loads_of_step};
 use stickslip::scene::Inputs;
+use stickslip::simulator::course::{Points, set_loads, set_loads_of_step};
 use stickslip::{Model, Result, Scene, Simulator};
 
 /// Most communication steps of the run.

@@ -3,8 +3,9 @@
 use super::guard::{Handle, free, give, guarded, handle, place, room, text, values, values_mut};
 use super::{STICKSLIP_INPUT, STICKSLIP_OK, STICKSLIP_OUTPUT, STICKSLIP_PARAMETER};
 use crate::error::{Error, Result};
-use crate::model::{Model, Observer, Progress};
+use crate::model::Model;
 use crate::ports::{Causality, Port};
+use crate::progress::{Observer, Progress};
 use crate::scene::Scene;
 use std::ffi::{CString, c_char, c_void};
 use std::ops::ControlFlow;

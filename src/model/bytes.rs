@@ -4,16 +4,16 @@
 //! models of equal scenes whose numbers differ (another mesh file, another machine's rounding), because the coordinates
 //! of a saved state mean something only together with the very numbers of the model.
 
-use super::condensed::Condensed;
-use super::field::Field;
-use super::full::Full;
+use super::certificate::Certificate;
 use super::parts::Parts;
-use super::reduced::Reduced;
 use super::{BodyModel, Model, ReductionRecord, ensure_available};
+use crate::body::condensed::Condensed;
+use crate::body::field::Field;
+use crate::body::full::Full;
+use crate::body::reduced::Reduced;
 use crate::bytes::{Frame, Reader, Writer};
 use crate::error::{Error, Result};
 use crate::fem::ContactPatch;
-use crate::qvi::Certificate;
 use crate::scene::{ModelKind, Scene};
 use crate::tradeoff::Selection;
 use std::sync::Arc;

@@ -1,26 +1,27 @@
 //! Scene -> Model, as one pipeline: pick the setting for a target, mesh and assemble, order for elimination, choose what is
 //! kept of the body, certify.
 
-use super::Model;
-use super::body_model::BodyModel;
-use super::condensed::Condensed;
-use super::digits::Ends;
-use super::field::Field;
-use super::full::Full;
+use super::certificate::{certify, sharp_constant, sharp_constant_of_compliance, strain_weights};
 use super::memory::Sizes;
 use super::parts::Parts;
-use super::port_matrix::PortMatrix;
-use super::progress::{Observer, Phase, Watch};
-use super::reduced::Reduced;
-use super::reduction::{Reduction, Synthesis, reduce};
-use super::transfer::Sampler;
+use crate::body::BodyModel;
+use crate::body::condensed::Condensed;
+use crate::body::digits::Ends;
+use crate::body::field::Field;
+use crate::body::full::Full;
+use crate::body::reduced::Reduced;
+use crate::body::reduction::port_matrix::PortMatrix;
+use crate::body::reduction::transfer::Sampler;
+use crate::body::reduction::{Reduction, Synthesis, reduce};
+use crate::contact::Law;
 use crate::error::{Error, Result};
 use crate::fem::Body;
-use crate::friction::Law;
 use crate::linalg::SparseCholesky;
 use crate::mesh::Mesh;
-use crate::qvi::{Tableau, certify, sharp_constant, sharp_constant_of_compliance, strain_weights};
+use crate::model::Model;
+use crate::progress::{Observer, Phase, Watch};
 use crate::scene::{ModelKind, Scene};
+use crate::time::scheme::Tableau;
 use crate::tradeoff::{Selection, select};
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -219,7 +220,7 @@ impl KeptModel {
 struct Kept {
     kind: ModelKind,
     model: KeptModel,
-    reduction: Option<super::ReductionRecord>,
+    reduction: Option<crate::body::reduction::ReductionRecord>,
     synthesis: Option<Synthesis>,
     /// Why `auto` kept the whole mesh.
     fallback: Option<String>,

@@ -1,46 +1,26 @@
 //! The compiled scene: what a step needs, and no more. Immutable, shared between simulators and threads.
 
-mod basis;
-mod body_model;
 mod bytes;
+pub mod certificate;
 mod compile;
-mod condensed;
-mod digits;
-mod field;
-mod fields;
-mod full;
-mod galerkin;
 mod memory;
 mod parts;
-mod port_matrix;
-mod progress;
-mod reduced;
-mod reduction;
-mod responses;
-mod samples;
-mod scaling;
-mod shifts;
-mod synthesis;
-mod transfer;
-mod turn;
-mod whole;
-mod zolotarev;
 
-pub use body_model::{BodyModel, Scratch, Stage, StageCache};
+pub use crate::body::BodyModel;
+pub use crate::body::reduction::ReductionRecord;
+pub use crate::progress::{Observer, Phase, Progress};
 pub use compile::{Compilation, compile, compile_with};
 pub(crate) use memory::ensure_available;
-pub(crate) use progress::Watch;
-pub use progress::{Observer, Phase, Progress};
-pub use reduction::ReductionRecord;
 
+use crate::contact::Law;
+use crate::contact::solve::fixed_point::FixedPoint;
 use crate::fem::ContactPatch;
-use crate::friction::Law;
-use crate::friction::fixed_point::FixedPoint;
 use crate::ports::Ports;
-use crate::qvi::{Certificate, Tableau};
 use crate::scene::{Interpolation, ModelKind, Scene, Start};
-use crate::step_control;
+use crate::time::control;
+use crate::time::scheme::Tableau;
 use crate::tradeoff::Selection;
+use certificate::Certificate;
 use std::sync::Arc;
 
 /// How the friction problem of a stage is solved.
@@ -186,8 +166,8 @@ impl Model {
     pub fn simulator_bytes(&self) -> usize {
         let contact = self.contact.len();
         let square = contact.saturating_mul(contact);
-        let stages = step_control::sizes_kept(self)
-            .saturating_mul(square.saturating_add(self.body.factor_len()));
+        let stages =
+            control::sizes_kept(self).saturating_mul(square.saturating_add(self.body.factor_len()));
         let vectors = self.states().saturating_mul(20);
         let numbers = square
             .saturating_mul(6)

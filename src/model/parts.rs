@@ -1,15 +1,16 @@
 //! What a model holds that its scene does not say: the compiled numbers. Together with the scene they make the model,
 //! whether they were compiled a moment ago or read from bytes.
 
+use super::certificate::Certificate;
 use super::{BodyModel, LoadInput, Model, ReductionRecord, SolverSettings, Summary};
+use crate::contact::Law;
+use crate::contact::solve::fixed_point::FixedPoint;
 use crate::error::Result;
 use crate::fem::ContactPatch;
-use crate::friction::Law;
-use crate::friction::fixed_point::FixedPoint;
 use crate::ports::{Ports, Shapes};
-use crate::qvi::{Certificate, Tableau};
 use crate::scene::{ElementKind, FrictionSolver, LoadKind, ModelKind, Run, Scene};
 use crate::state::State;
+use crate::time::scheme::Tableau;
 use crate::tradeoff::Selection;
 use std::sync::Arc;
 

@@ -2,9 +2,9 @@
 
 use super::Simulator;
 use crate::error::{Error, Result};
-use crate::input_course;
 use crate::ports::Quantity;
 use crate::scene::Inputs;
+use crate::time::input_course;
 
 impl Simulator {
     /// Says what inputs mean from now on: by default what `time.inputs` of the scene says, and without it the load at the end of

@@ -2,7 +2,7 @@
 
 use super::Simulator;
 use crate::error::{Error, Result};
-use crate::readout;
+use crate::ports::readout;
 use crate::state::history_row;
 
 /// One row of the recorded past of a contact node.

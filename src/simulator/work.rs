@@ -1,7 +1,7 @@
 //! What a simulator tells about its solver: solutions found, iterates, work done.
 
 use super::Simulator;
-use crate::friction::newton::Work;
+use crate::contact::solve::newton::Work;
 use crate::state::report;
 
 impl Simulator {

@@ -3,8 +3,8 @@
 
 use super::{MEANINGS, State};
 use crate::bytes::Reader;
+use crate::contact::solve::newton::linearisation;
 use crate::error::Result;
-use crate::friction::linearisation;
 use crate::model::Model;
 
 /// Most internal steps that a state may have counted.

@@ -21,9 +21,9 @@ use super::family::{Family, cells};
 use super::setting::Setting;
 use super::study::{Candidate, Sample, Study};
 use super::trajectory::Work;
-use crate::course::Points;
 use crate::error::{Error, Result};
 use crate::scene::{ModelKind, Scene};
+use crate::simulator::course::Points;
 
 /// How many times more accurate than a measured setting the reference is.
 pub const MARGIN: f64 = 10.0;

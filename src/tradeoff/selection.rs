@@ -13,7 +13,7 @@ use super::setting::Setting;
 use super::study::{Study, loosest_reduction};
 use crate::bytes::{Reader, Writer};
 use crate::error::{Error, Result};
-use crate::model::{Phase, Watch};
+use crate::progress::{Phase, Watch};
 use crate::scene::Scene;
 
 /// Where a target stands in a scene.

@@ -4,10 +4,10 @@ use super::errors::{Errors, errors};
 use super::setting::Setting;
 use super::surface::Surface;
 use super::trajectory::{Trajectory, run};
-use crate::course::Points;
 use crate::error::{Error, Result};
 use crate::model::{Compilation, Model};
 use crate::scene::{Fidelity, History, Interpolation, Run, Scene, Scheme, Signal, Start, Time};
+use crate::simulator::course::Points;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Weak};
 

@@ -1,11 +1,11 @@
 //! A run of a scene on its own signals, as far as errors and work need it.
 
-use crate::course::{Points, set_loads, step_to};
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::ports::Quantity as Port;
 use crate::scene::Scene;
 use crate::simulator::Simulator;
+use crate::simulator::course::{Points, set_loads, step_to};
 use std::sync::Arc;
 
 /// What a master sees of the contact and the body at one instant.

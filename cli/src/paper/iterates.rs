@@ -7,7 +7,7 @@ use crate::course;
 use crate::failure::Failure;
 use crate::pictures::{Axis, Curves, Mark, Panel, Series, Sheet, sequential};
 use std::path::Path;
-use stickslip::friction::{FrictionLaw, SlipPath};
+use stickslip::contact::{FrictionLaw, SlipPath};
 use stickslip::{Simulator, compile};
 
 const STEPS: u32 = 10;

@@ -6,7 +6,7 @@ use std::cell::Cell;
 use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use stickslip::course::{Points, set_loads, step_to};
+use stickslip::simulator::course::{Points, set_loads, step_to};
 use stickslip::tradeoff::{Candidate, Reference, Setting, Study};
 use stickslip::{Compilation, Result, Simulator};
 

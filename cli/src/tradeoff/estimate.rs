@@ -2,8 +2,8 @@
 //! budget and the memory.
 
 use stickslip::Scene;
-use stickslip::course::Points;
 use stickslip::scene::{ModelKind, Scheme};
+use stickslip::simulator::course::Points;
 
 /// Responses per contact component that a reduction puts together.
 const RESPONSES: f64 = 8.0;

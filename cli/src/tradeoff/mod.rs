@@ -19,7 +19,7 @@ use crate::console;
 use crate::failure::Failure;
 use crate::source;
 use clock::Budget;
-use stickslip::course::Points;
+use stickslip::simulator::course::Points;
 use stickslip::tradeoff::{Reference, Study};
 use survey::{Refined, Survey};
 

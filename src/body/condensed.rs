@@ -1,0 +1,82 @@
+//! The condensed model: every dof is a state, but a step is one sparse forward pass onto the contact, the friction
+//! problem there, and one backward pass.
+//!
+//! With the contact eliminated last, `M = L L^T` leaves `S = L_cc L_cc^T` and `r` without any further solve.
+
+use super::field::Field;
+use crate::body::{BodyModel, Scratch, Stage};
+use crate::bytes::Writer;
+use crate::error::Result;
+
+pub struct Condensed(pub Field);
+
+impl BodyModel for Condensed {
+    fn states(&self) -> usize {
+        self.0.len()
+    }
+
+    fn contact_len(&self) -> usize {
+        self.0.contact_len
+    }
+
+    fn factor_len(&self) -> usize {
+        self.0.cholesky.len()
+    }
+
+    fn scratch(&self) -> Scratch {
+        self.0.scratch()
+    }
+
+    fn factor(&self, theta_k: f64, stage: &mut Stage, scratch: &mut Scratch) -> Result<()> {
+        self.0.factor(theta_k, stage, scratch)?;
+        self.0.cholesky.condensed(&stage.factor, stage.s.as_mut());
+        Ok(())
+    }
+
+    fn predict(&self, stage: &Stage, p: &[f64], f: &[f64], r: &mut [f64], scratch: &mut Scratch) {
+        self.0.load(p, f, &mut scratch.work);
+        self.0
+            .cholesky
+            .eliminate(&stage.factor, &scratch.work, &mut scratch.free);
+        let interior = self.states() - self.contact_len();
+        r.copy_from_slice(&scratch.free[interior..]);
+    }
+
+    fn correct(
+        &self,
+        stage: &Stage,
+        contact_velocity: &[f64],
+        _contact_force: &[f64],
+        w: &mut [f64],
+        scratch: &mut Scratch,
+    ) {
+        let interior = self.states() - self.contact_len();
+        // the forward pass must survive: the fixed point corrects at every iterate
+        scratch.work.copy_from_slice(&scratch.free);
+        scratch.work[interior..].copy_from_slice(contact_velocity);
+        self.0
+            .cholesky
+            .substitute_back(&stage.factor, &mut scratch.work, w);
+    }
+
+    fn products(&self, x: &[f64]) -> (f64, f64) {
+        self.0.operators.product(x, x)
+    }
+
+    fn outputs(&self, x: &[f64], out: &mut [f64]) {
+        self.0.outputs(x, out);
+    }
+
+    fn stage_multiplications(&self) -> usize {
+        // the factor once forward and once backward, B once
+        2 * self.0.cholesky.len() + self.0.applications()
+    }
+
+    fn bytes(&self) -> usize {
+        self.0.bytes()
+    }
+
+    fn write(&self, out: &mut Writer) {
+        self.0.write(out);
+    }
+}

@@ -1,0 +1,191 @@
+//! What the full and the condensed model share: the sparse operators, their symbolic factor, loads and outputs.
+
+use crate::body::{Scratch, Stage};
+use crate::bytes::{LARGEST, Reader, Writer, is_usable};
+use crate::error::Result;
+use crate::fem::{Body, OperatorPair};
+use crate::linalg::{DenseCholesky, SparseCholesky};
+
+/// Right-hand sides solved together when the contact compliance is built.
+pub const BLOCK: usize = 32;
+
+/// A sparse row or column: pairs of free dof and value.
+pub type SparseVector = Vec<(usize, f64)>;
+
+/// The whole mesh.
+pub struct Field {
+    pub operators: OperatorPair,
+    pub cholesky: SparseCholesky,
+    pub contact_len: usize,
+    /// Load columns F.
+    pub loads: Vec<SparseVector>,
+    /// Rows of the outputs that follow the loads: the probes.
+    pub probes: Vec<SparseVector>,
+}
+
+impl Field {
+    /// # Errors
+    /// Those of [`SparseCholesky::new`].
+    pub fn new(body: &Body) -> Result<Field> {
+        let operators = body.operators.clone();
+        let cholesky = SparseCholesky::new(
+            &operators.col_ptr,
+            &operators.row_idx,
+            &body.interior_places(),
+        )?;
+        Ok(Field {
+            cholesky,
+            contact_len: body.contact_len(),
+            loads: body.loads.iter().map(|l| l.entries.clone()).collect(),
+            probes: body
+                .probes
+                .iter()
+                .flat_map(|p| p.rows.iter().cloned())
+                .collect(),
+            operators,
+        })
+    }
+
+    /// Free dofs.
+    pub fn len(&self) -> usize {
+        self.operators.n
+    }
+
+    /// Factors `A + theta_k B` into `stage.factor`.
+    ///
+    /// # Errors
+    /// [`crate::Error::NotPositiveDefinite`] when the body is not held.
+    pub fn factor(&self, theta_k: f64, stage: &mut Stage, scratch: &mut Scratch) -> Result<()> {
+        self.operators.combine(1.0, theta_k, &mut scratch.matrix);
+        self.cholesky.factor(
+            "the stage operator A + theta k B (is the body clamped or otherwise held?)",
+            &scratch.matrix,
+            &mut stage.factor,
+            &mut scratch.memory,
+        )
+    }
+
+    /// `out = F f - B p`.
+    pub fn load(&self, p: &[f64], f: &[f64], out: &mut [f64]) {
+        self.operators.apply(&self.operators.b, p, out);
+        out.iter_mut().for_each(|v| *v = -*v);
+        for (column, intensity) in self.loads.iter().zip(f) {
+            for &(dof, value) in column {
+                out[dof] += value * intensity;
+            }
+        }
+    }
+
+    pub fn outputs(&self, x: &[f64], out: &mut [f64]) {
+        for (out, row) in out.iter_mut().zip(self.loads.iter().chain(&self.probes)) {
+            *out = row.iter().map(|&(dof, value)| value * x[dof]).sum();
+        }
+    }
+
+    /// Multiplications of `B p`: the lower triangle serves both halves.
+    pub fn applications(&self) -> usize {
+        2 * self.operators.row_idx.len()
+    }
+
+    pub fn scratch(&self) -> Scratch {
+        let n = self.len();
+        Scratch {
+            free: vec![0.0; n],
+            work: vec![0.0; n],
+            contact: vec![0.0; self.contact_len],
+            matrix: vec![0.0; self.operators.row_idx.len()],
+            dense: DenseCholesky::new(self.contact_len),
+            memory: self.cholesky.scratch(BLOCK),
+        }
+    }
+
+    pub fn bytes(&self) -> usize {
+        let word = std::mem::size_of::<f64>();
+        let vectors: usize = self
+            .loads
+            .iter()
+            .chain(&self.probes)
+            .map(|v| 2 * v.len())
+            .sum();
+        word * (3 * self.operators.row_idx.len() + self.len() + vectors)
+    }
+
+    pub fn write(&self, out: &mut Writer) {
+        let operators = &self.operators;
+        out.indices(&operators.col_ptr);
+        out.indices(&operators.row_idx);
+        out.indices(self.cholesky.order());
+        out.floats(&operators.a);
+        out.floats(&operators.b);
+        for vector in self.loads.iter().chain(&self.probes) {
+            out.word(vector.len() as u64);
+            for &(dof, value) in vector {
+                out.word(dof as u64);
+                out.float(value);
+            }
+        }
+    }
+
+    /// Reads what [`Field::write`] wrote, for the given numbers of free dofs, contact components, loads and outputs.
+    ///
+    /// # Errors
+    /// [`crate::Error::Bytes`].
+    pub fn read(
+        from: &mut Reader,
+        n: usize,
+        contact_len: usize,
+        loads: usize,
+        outputs: usize,
+    ) -> Result<Field> {
+        let col_ptr = from.indices(usize::MAX)?;
+        let row_idx = from.indices(n)?;
+        let order = from.indices(n)?;
+        let (a, b) = (from.finite()?, from.finite()?);
+        let entries = row_idx.len();
+        let is_lower_triangle = col_ptr.len() == n.saturating_add(1)
+            && col_ptr[0] == 0
+            && col_ptr[n] == entries
+            && col_ptr.windows(2).enumerate().all(|(column, ends)| {
+                // ascending rows that begin with the diagonal
+                row_idx.get(ends[0]..ends[1]).is_some_and(|rows| {
+                    rows.first() == Some(&column) && rows.windows(2).all(|r| r[0] < r[1])
+                })
+            });
+        if !is_lower_triangle || a.len() != entries || b.len() != entries || contact_len > n {
+            return Err(Reader::refusal("the pattern of the operators is not one"));
+        }
+        let diagonal = || col_ptr[..n].iter().copied();
+        if !diagonal().all(|at| a[at] * LARGEST >= 1.0 && b[at] * LARGEST >= 1.0) {
+            return Err(Reader::refusal(
+                "the diagonal of an operator is not positive",
+            ));
+        }
+        let mut sparse = || -> Result<SparseVector> {
+            let count = from.size()?;
+            let mut vector = SparseVector::new();
+            for _ in 0..count {
+                let (dof, value) = (from.size()?, from.float()?);
+                if dof >= n || !is_usable(value) {
+                    return Err(Reader::refusal(format!("{value} at dof {dof} of {n}")));
+                }
+                vector.push((dof, value));
+            }
+            Ok(vector)
+        };
+        let mut vectors = (0..outputs).map(|_| sparse()).collect::<Result<Vec<_>>>()?;
+        let probes = vectors.split_off(loads);
+        Ok(Field {
+            cholesky: SparseCholesky::with_order(&col_ptr, &row_idx, order, contact_len)?,
+            contact_len,
+            loads: vectors,
+            probes,
+            operators: OperatorPair {
+                n,
+                col_ptr,
+                row_idx,
+                a,
+                b,
+            },
+        })
+    }
+}

@@ -1,0 +1,119 @@
+//! The full model: every dof is a state, every step two sparse solves. The yardstick of the other models.
+//!
+//! The contact compliance `C = E^T M^-1 E` is solved for column by column, without the elimination order that the
+//! condensed model relies on, so the two check each other.
+
+use super::field::{BLOCK, Field};
+use crate::body::{BodyModel, Scratch, Stage};
+use crate::bytes::Writer;
+use crate::error::{Error, Result};
+use crate::linalg::multiply;
+use faer::{ColMut, Mat};
+
+pub struct Full(pub Field);
+
+impl BodyModel for Full {
+    fn states(&self) -> usize {
+        self.0.len()
+    }
+
+    fn contact_len(&self) -> usize {
+        self.0.contact_len
+    }
+
+    fn factor_len(&self) -> usize {
+        self.0.cholesky.len()
+    }
+
+    fn scratch(&self) -> Scratch {
+        self.0.scratch()
+    }
+
+    fn factor(&self, theta_k: f64, stage: &mut Stage, scratch: &mut Scratch) -> Result<()> {
+        self.0.factor(theta_k, stage, scratch)?;
+        let (n, m) = (self.states(), self.contact_len());
+        let mut compliance = Mat::<f64>::zeros(m, m);
+        for first in (0..m).step_by(BLOCK) {
+            let width = BLOCK.min(m - first);
+            let mut columns = Mat::<f64>::zeros(n, width);
+            for j in 0..width {
+                columns[(n - m + first + j, j)] = 1.0;
+            }
+            let cholesky = &self.0.cholesky;
+            cholesky.solve(&stage.factor, columns.as_mut(), &mut scratch.memory);
+            compliance
+                .as_mut()
+                .subcols_mut(first, width)
+                .copy_from(columns.as_ref().subrows(n - m, m));
+        }
+        // symmetric up to rounding: the mean of the two halves
+        let is_definite = scratch.dense.factor(m, |j, column| {
+            for (i, entry) in (j..).zip(column) {
+                *entry = 0.5 * (compliance[(i, j)] + compliance[(j, i)]);
+            }
+        });
+        if !is_definite {
+            return Err(Error::NotPositiveDefinite {
+                what: "the contact compliance",
+                pivot: 0,
+            });
+        }
+        scratch.dense.inverse(stage.s.as_mut());
+        Ok(())
+    }
+
+    fn predict(&self, stage: &Stage, p: &[f64], f: &[f64], r: &mut [f64], scratch: &mut Scratch) {
+        self.0.load(p, f, &mut scratch.free);
+        self.0.cholesky.solve(
+            &stage.factor,
+            ColMut::from_slice_mut(&mut scratch.free).as_mat_mut(),
+            &mut scratch.memory,
+        );
+        let interior = self.states() - self.contact_len();
+        multiply(stage.s.as_ref(), &scratch.free[interior..], r);
+    }
+
+    fn correct(
+        &self,
+        stage: &Stage,
+        contact_velocity: &[f64],
+        contact_force: &[f64],
+        w: &mut [f64],
+        scratch: &mut Scratch,
+    ) {
+        let interior = self.states() - self.contact_len();
+        w[..interior].fill(0.0);
+        w[interior..].copy_from_slice(contact_force);
+        self.0.cholesky.solve(
+            &stage.factor,
+            ColMut::from_slice_mut(w).as_mat_mut(),
+            &mut scratch.memory,
+        );
+        for (w, free) in w.iter_mut().zip(&scratch.free) {
+            *w = free - *w;
+        }
+        w[interior..].copy_from_slice(contact_velocity);
+    }
+
+    fn products(&self, x: &[f64]) -> (f64, f64) {
+        self.0.operators.product(x, x)
+    }
+
+    fn outputs(&self, x: &[f64], out: &mut [f64]) {
+        self.0.outputs(x, out);
+    }
+
+    fn stage_multiplications(&self) -> usize {
+        // two solves with the factor and its transpose, B once, S once
+        let contact = self.contact_len();
+        4 * self.0.cholesky.len() + self.0.applications() + contact * contact
+    }
+
+    fn bytes(&self) -> usize {
+        self.0.bytes()
+    }
+
+    fn write(&self, out: &mut Writer) {
+        self.0.write(out);
+    }
+}

@@ -1,0 +1,158 @@
+//! What a step sees of the body: predict its free motion, the contact operator of a step size, correct.
+//!
+//! One implicit stage with weight `theta_k` (s) is `M w + E Lambda = F f - B p`, `M = A + theta_k B`, `u = p + theta_k w`:
+//!
+//! * [`BodyModel::factor`] makes what depends on `theta_k` alone, among it the condensed operator `S = (E^T M^-1 E)^-1`;
+//! * [`BodyModel::predict`] gives the condensed load `r = S E^T M^-1 (F f - B p)`;
+//! * the friction solver finds `S w_c + Lambda = r`;
+//! * [`BodyModel::correct`] gives the whole velocity `w`.
+//!
+//! The meaning of a state vector (nodal or modal) is the model's own.
+
+pub(crate) mod condensed;
+pub(crate) mod digits;
+pub(crate) mod field;
+pub(crate) mod full;
+pub(crate) mod reduced;
+pub(crate) mod reduction;
+
+use crate::bytes::Writer;
+use crate::error::Result;
+use crate::linalg::DenseCholesky;
+use dyn_stack::MemBuffer;
+use faer::Mat;
+
+/// Everything that depends on the implicit weight of a stage alone.
+pub struct Stage {
+    /// Implicit weight, s; `None` before the first factorization.
+    pub theta_k: Option<f64>,
+    /// Condensed contact operator S, N s/m.
+    pub s: Mat<f64>,
+    /// Numbers of the model's own factor.
+    pub factor: Vec<f64>,
+}
+
+/// Scratch of one simulator; never changes a result.
+pub struct Scratch {
+    /// Free motion between predict and correct.
+    pub free: Vec<f64>,
+    /// Vector of the length of a state.
+    pub work: Vec<f64>,
+    /// Vector of contact length.
+    pub contact: Vec<f64>,
+    /// Values of a sparse matrix, or a contact compliance.
+    pub matrix: Vec<f64>,
+    /// Dense factor of contact order.
+    pub dense: DenseCholesky,
+    /// Scratch of the sparse factorization and solves.
+    pub memory: MemBuffer,
+}
+
+/// A body reduced to what a scene requires.
+pub trait BodyModel: Send + Sync {
+    /// Length of a displacement or velocity.
+    fn states(&self) -> usize;
+    /// Tangential contact velocities: nodes times components.
+    fn contact_len(&self) -> usize;
+    /// Length of [`Stage::factor`].
+    fn factor_len(&self) -> usize;
+    /// Fresh scratch.
+    fn scratch(&self) -> Scratch;
+    /// Makes `stage` for the implicit weight `theta_k`.
+    ///
+    /// # Errors
+    /// [`crate::Error::NotPositiveDefinite`] when the body is not held.
+    fn factor(&self, theta_k: f64, stage: &mut Stage, scratch: &mut Scratch) -> Result<()>;
+    /// Condensed load `r` of the free motion from the explicit displacement `p` under the loads `f`; the free motion
+    /// itself stays in `scratch.free`.
+    fn predict(&self, stage: &Stage, p: &[f64], f: &[f64], r: &mut [f64], scratch: &mut Scratch);
+    /// Velocity `w` of the body from the free motion, the contact velocities and the contact forces.
+    fn correct(
+        &self,
+        stage: &Stage,
+        contact_velocity: &[f64],
+        contact_force: &[f64],
+        w: &mut [f64],
+        scratch: &mut Scratch,
+    );
+    /// `(x.A x, x.B x)`.
+    fn products(&self, x: &[f64]) -> (f64, f64);
+    /// Linear outputs of a displacement or velocity: work-conjugate integrals of the loads, then the probes.
+    fn outputs(&self, x: &[f64], out: &mut [f64]);
+    /// Multiplications of one [`BodyModel::predict`] and one [`BodyModel::correct`].
+    fn stage_multiplications(&self) -> usize;
+    /// Bytes held by the model.
+    fn bytes(&self) -> usize;
+    /// Writes what the model's own `read` needs.
+    fn write(&self, out: &mut Writer);
+}
+
+impl Stage {
+    /// An empty stage for `model`.
+    pub fn new(model: &dyn BodyModel) -> Stage {
+        Stage {
+            theta_k: None,
+            s: Mat::zeros(model.contact_len(), model.contact_len()),
+            factor: vec![0.0; model.factor_len()],
+        }
+    }
+}
+
+/// The stages of the last few step sizes; the one used longest ago makes room.
+pub struct StageCache {
+    stages: Vec<Stage>,
+    last_use: Vec<u64>,
+    clock: u64,
+    /// Factorizations made so far.
+    pub factorizations: u64,
+}
+
+impl StageCache {
+    /// Room for the stages of `sizes` step sizes.
+    pub fn new(model: &dyn BodyModel, sizes: usize) -> StageCache {
+        StageCache {
+            stages: (0..sizes).map(|_| Stage::new(model)).collect(),
+            last_use: vec![0; sizes],
+            clock: 0,
+            factorizations: 0,
+        }
+    }
+
+    /// Times that a stage was asked for.
+    pub fn solves(&self) -> u64 {
+        self.clock
+    }
+
+    /// The stage for `theta_k`, factored now or earlier.
+    ///
+    /// # Errors
+    /// Those of [`BodyModel::factor`].
+    pub fn get(
+        &mut self,
+        model: &dyn BodyModel,
+        theta_k: f64,
+        scratch: &mut Scratch,
+    ) -> Result<&Stage> {
+        self.clock += 1;
+        let known = self
+            .stages
+            .iter()
+            .position(|s| s.theta_k.is_some_and(|t| t.to_bits() == theta_k.to_bits()));
+        let slot = match known {
+            Some(slot) => slot,
+            None => {
+                let oldest = (0..self.stages.len())
+                    .min_by_key(|&i| self.last_use[i])
+                    .unwrap_or(0);
+                let stage = &mut self.stages[oldest];
+                stage.theta_k = None;
+                self.factorizations += 1;
+                model.factor(theta_k, stage, scratch)?;
+                stage.theta_k = Some(theta_k);
+                oldest
+            }
+        };
+        self.last_use[slot] = self.clock;
+        Ok(&self.stages[slot])
+    }
+}

@@ -1,0 +1,182 @@
+//! The reduced model: the relaxation rates that the ports see. A step needs no mesh and no sparse matrix.
+//!
+//! In modal coordinates `A = I` and `B = diag(rates)`, so a stage is `w_j = (F_j f - rate_j p_j) / (1 + theta_k rate_j)`
+//! and the contact compliance is `P diag(1 / (1 + theta_k rate)) P^T`, whatever the step size.
+
+use crate::body::{BodyModel, Scratch, Stage};
+use crate::bytes::{Reader, Writer};
+use crate::error::{Error, Result};
+use crate::linalg::{DenseCholesky, StoredMatrix, modal, multiply, multiply_transposed};
+use crate::scene::Precision;
+use dyn_stack::{MemBuffer, StackReq};
+use faer::linalg::matmul::triangular::{BlockStructure, matmul};
+use faer::{Accum, Mat, MatMut, MatRef, Par};
+
+pub struct Reduced {
+    /// Relaxation rates, 1/s, ascending.
+    pub rates: Vec<f64>,
+    /// Contact velocities of every mode: states x contact length.
+    pub contact: StoredMatrix,
+    /// Loads, then probes, of every mode: states x outputs.
+    pub outputs: Mat<f64>,
+    /// How many of the outputs are loads.
+    pub loads: usize,
+}
+
+impl BodyModel for Reduced {
+    fn states(&self) -> usize {
+        self.rates.len()
+    }
+
+    fn contact_len(&self) -> usize {
+        self.contact.ncols()
+    }
+
+    fn factor_len(&self) -> usize {
+        self.rates.len()
+    }
+
+    fn scratch(&self) -> Scratch {
+        let (m, r) = (self.contact_len(), self.states());
+        Scratch {
+            free: vec![0.0; r],
+            work: vec![0.0; r],
+            contact: vec![0.0; m],
+            matrix: vec![0.0; m * m],
+            dense: DenseCholesky::new(m),
+            memory: MemBuffer::new(StackReq::EMPTY),
+        }
+    }
+
+    fn factor(&self, theta_k: f64, stage: &mut Stage, scratch: &mut Scratch) -> Result<()> {
+        let m = self.contact_len();
+        for (d, rate) in stage.factor.iter_mut().zip(&self.rates) {
+            *d = 1.0 / (1.0 + theta_k * rate);
+        }
+        let compliance = &mut scratch.matrix[..m * m];
+        self.contact.weighted_gram(&stage.factor, compliance);
+        if !scratch.dense.factor(m, |j, column| {
+            column.copy_from_slice(&compliance[j * m + j..(j + 1) * m]);
+        }) {
+            return Err(Error::NotPositiveDefinite {
+                what: "the contact compliance",
+                pivot: 0,
+            });
+        }
+        scratch.dense.inverse(stage.s.as_mut());
+        Ok(())
+    }
+
+    fn predict(&self, stage: &Stage, p: &[f64], f: &[f64], r: &mut [f64], scratch: &mut Scratch) {
+        let loads = self.outputs.as_ref().subcols(0, self.loads);
+        multiply(loads, f, &mut scratch.free);
+        modal::free_motion(&mut scratch.free, &self.rates, p, &stage.factor);
+        self.contact
+            .multiply_transposed(&scratch.free, &mut scratch.contact);
+        multiply(stage.s.as_ref(), &scratch.contact, r);
+    }
+
+    fn correct(
+        &self,
+        stage: &Stage,
+        _contact_velocity: &[f64],
+        contact_force: &[f64],
+        w: &mut [f64],
+        scratch: &mut Scratch,
+    ) {
+        self.contact.multiply(contact_force, w);
+        modal::corrected_motion(w, &scratch.free, &stage.factor);
+    }
+
+    fn products(&self, x: &[f64]) -> (f64, f64) {
+        modal::squares(x, &self.rates)
+    }
+
+    fn outputs(&self, x: &[f64], out: &mut [f64]) {
+        multiply_transposed(self.outputs.as_ref(), x, out);
+    }
+
+    fn stage_multiplications(&self) -> usize {
+        // the contact ports forward and backward, the loads, S once
+        let (r, contact) = (self.states(), self.contact_len());
+        r * (2 * contact + self.loads) + contact * contact
+    }
+
+    fn bytes(&self) -> usize {
+        let numbers = self.rates.len() * (1 + self.outputs.ncols());
+        numbers * std::mem::size_of::<f64>() + self.contact.bytes()
+    }
+
+    fn write(&self, out: &mut Writer) {
+        out.floats(&self.rates);
+        self.contact.write(out);
+        out.matrix(self.outputs.as_ref());
+    }
+}
+
+impl Reduced {
+    /// Contact compliance of `x A + y B` (lower triangle).
+    pub fn compliance(&self, x: f64, y: f64) -> Mat<f64> {
+        let m = self.contact.ncols();
+        let mut compliance = Mat::zeros(m, m);
+        let ports = self.contact.to_double();
+        let to = compliance.as_mut();
+        add_response(to, 1.0, ports.as_ref(), &self.rates, (x, y));
+        compliance
+    }
+
+    /// Reads what [`BodyModel::write`] wrote, for the given numbers of contact components, loads and outputs.
+    ///
+    /// # Errors
+    /// [`Error::Bytes`].
+    pub fn read(
+        from: &mut Reader,
+        contact: usize,
+        loads: usize,
+        outputs: usize,
+        precision: Precision,
+    ) -> Result<Reduced> {
+        let rates = from.finite()?;
+        // fewer modes than contact components leave some of them without any motion
+        if !rates.iter().all(|rate| *rate > 0.0) || rates.len() < contact {
+            return Err(Reader::refusal(format!(
+                "{} relaxation rates of {contact} contact components",
+                rates.len()
+            )));
+        }
+        let is_single = precision == Precision::Single;
+        Ok(Reduced {
+            contact: StoredMatrix::read(from, is_single, (rates.len(), contact))?,
+            outputs: from.matrix(rates.len(), outputs)?,
+            loads,
+            rates,
+        })
+    }
+}
+
+/// Adds `weight ports^T diag(1 / (c + d rate)) ports` to the lower triangle of `to`.
+pub fn add_response(
+    to: MatMut<f64>,
+    weight: f64,
+    ports: MatRef<f64>,
+    rates: &[f64],
+    (c, d): (f64, f64),
+) {
+    let mut weighted = ports.to_owned();
+    for j in 0..ports.ncols() {
+        for (value, rate) in weighted.col_mut(j).iter_mut().zip(rates) {
+            *value /= c + d * rate;
+        }
+    }
+    matmul(
+        to,
+        BlockStructure::TriangularLower,
+        Accum::Add,
+        ports.transpose(),
+        BlockStructure::Rectangular,
+        weighted.as_ref(),
+        BlockStructure::Rectangular,
+        weight,
+        Par::Seq,
+    );
+}

@@ -1,0 +1,141 @@
+//! The ports: every variable a host can touch, declared once. C, FMU and CSV read this list.
+
+mod list;
+pub(crate) mod readout;
+
+use crate::contact::Law;
+use crate::error::{Error, Result};
+
+/// What a port is to a master.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Causality {
+    /// Set before a step: the value at its end, unless the simulator is told otherwise.
+    Input,
+    /// Read after a step.
+    Output,
+    /// Set before initialization or between steps.
+    Parameter,
+}
+
+/// What a port means; the number is the load, probe or coefficient.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quantity {
+    Load(usize),
+    TangentialStress,
+    SlipRate,
+    Slip,
+    AccumulatedSlip,
+    Stick,
+    ContactForce,
+    MaxSlipRate,
+    StickFraction,
+    LoadDisplacement(usize),
+    LoadVelocity(usize),
+    ProbeDisplacement(usize),
+    ProbeVelocity(usize),
+    ExternalWork,
+    ElasticEnergy,
+    ViscousDissipation,
+    FrictionDissipation,
+    BalanceError,
+    Iterations,
+    Residual,
+    Solutions,
+    SolutionGap,
+    ErrorEstimate,
+    Coefficient(usize),
+}
+
+/// One variable.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Port {
+    /// Reference: the place in the list.
+    pub reference: u32,
+    /// Name, as a master writes it.
+    pub name: String,
+    /// SI unit; `1` for a number.
+    pub unit: &'static str,
+    pub causality: Causality,
+    /// Shape: empty for a scalar, `[nodes]` or `[nodes, components]` over the contact (components inner), `[dimension]`.
+    pub shape: Vec<usize>,
+    pub quantity: Quantity,
+    /// One sentence with sign and frame.
+    pub description: String,
+}
+
+impl Port {
+    /// Number of values.
+    pub fn len(&self) -> usize {
+        self.shape.iter().product()
+    }
+
+    /// Whether there are no values.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+/// All ports of a model, in the order of their references.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ports {
+    list: Vec<Port>,
+}
+
+/// What the list is made from.
+pub(crate) struct Shapes<'a> {
+    pub dimension: usize,
+    pub nodes: usize,
+    pub components: usize,
+    /// Name and unit of the intensity, in the order of the scene.
+    pub loads: &'a [(String, &'static str)],
+    pub probes: &'a [String],
+    pub law: Law,
+    /// Whether the error in time is estimated.
+    pub has_error_estimate: bool,
+}
+
+impl Ports {
+    /// All ports.
+    pub fn all(&self) -> &[Port] {
+        &self.list
+    }
+
+    /// The outputs, in the order of their references.
+    pub fn outputs(&self) -> impl Iterator<Item = &Port> {
+        self.list
+            .iter()
+            .filter(|p| p.causality == Causality::Output)
+    }
+
+    /// Number of values of all outputs together.
+    pub fn output_len(&self) -> usize {
+        self.outputs().map(Port::len).sum()
+    }
+
+    /// The port of that name.
+    ///
+    /// # Errors
+    /// [`Error::Unknown`].
+    pub fn find(&self, name: &str) -> Result<&Port> {
+        self.list
+            .iter()
+            .find(|p| p.name == name)
+            .ok_or_else(|| Error::Unknown {
+                what: "port",
+                found: name.into(),
+            })
+    }
+
+    /// The port with that reference.
+    ///
+    /// # Errors
+    /// [`Error::Unknown`].
+    pub fn get(&self, reference: u32) -> Result<&Port> {
+        self.list
+            .get(reference as usize)
+            .ok_or_else(|| Error::Unknown {
+                what: "port reference",
+                found: reference.to_string(),
+            })
+    }
+}

@@ -1,0 +1,133 @@
+//! The course of the loads within a communication step of size `h` that begins at `t`.
+//!
+//! Between its ends a load `f` is linear. With `u` for the input as set, `f_n` for the load at the end of the last step:
+//!
+//! ```text
+//! end_of_step   f(t) = f_n   f(t+h) = u             u is the load at the end of the step
+//! hold          f(t) = u     f(t+h) = u             u is the load at its beginning
+//! continue      f(t) = u     f(t+h) = u + s h       the same, continued with the slope s of the last steps
+//! given slope   f(t) = u     f(t+h) = u + d h       whatever the meaning of u is otherwise
+//! ```
+//!
+//! `s` is the slope of the input between the last two communication points, limited by the slope `s'` before it:
+//! `s = sign(s) min(|s|, 2 |s'|)`, and 0 where they differ in sign. It is of first order where the input is smooth, so that
+//! the load has an error of second order, and 0 after a jump, where the slope itself would overshoot by the height of the
+//! jump. The first slope has none before it and is taken as it is.
+//!
+//! Where `f(t)` is not `f_n` the load jumps at the beginning of the step, and the velocity follows before the step is taken.
+
+use super::workspace::LoadCourse;
+use crate::error::{Error, Result};
+use crate::model::Model;
+use crate::scene::{Inputs, Interpolation};
+use crate::state::{State, input_memory as memory};
+
+/// Relative difference of loads that is rounding of a continued slope and no jump.
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
+/// How many times the slope before it a continued slope may be.
+const STEEPEST: f64 = 2.0;
+
+/// Writes the course of the loads over a step of `h` into `course`; whether a load jumps at its beginning.
+///
+/// # Errors
+/// [`Error::Value`] for a slope that leads out of the numbers.
+pub(crate) fn begin(model: &Model, state: &State, h: f64, course: &mut LoadCourse) -> Result<bool> {
+    let mut has_jump = false;
+    for (i, kind) in model.interpolations().iter().enumerate() {
+        let (applied, value) = (state.loads[i], state.inputs[i]);
+        let (start, slope, slope_by_input) = match (given_slope(state, i), kind, state.meaning()) {
+            (Some(slope), ..) => (value, slope, 0.0),
+            (None, Interpolation::Hold, _) | (None, _, Inputs::Hold) => (value, 0.0, 0.0),
+            (None, Interpolation::Linear, Inputs::Continue) => {
+                let (slope, by_input) = continued(state, i);
+                (value, slope, by_input)
+            }
+            (None, Interpolation::Linear, Inputs::EndOfStep) => {
+                set(course, i, [applied, value], [0.0, 1.0]);
+                continue;
+            }
+        };
+        let end = value + slope * h;
+        if !end.is_finite() {
+            return Err(Error::Value {
+                what: format!(
+                    "input {} at the end of the step",
+                    model.ports().all()[i].name
+                ),
+                found: end,
+                allowed: "a finite number; its slope leads out of the numbers",
+            });
+        }
+        has_jump |= (start - applied).abs() > ROUNDING * (start.abs() + applied.abs());
+        set(course, i, [start, end], [1.0, 1.0 + slope_by_input * h]);
+    }
+    Ok(has_jump)
+}
+
+fn set(course: &mut LoadCourse, i: usize, [start, end]: [f64; 2], [start_by, end_by]: [f64; 2]) {
+    course.start[i] = start;
+    course.end[i] = end;
+    course.start_by_input[i] = start_by;
+    course.end_by_input[i] = end_by;
+}
+
+/// Remembers the inputs of a step of `h` that has been taken.
+pub(crate) fn finish(state: &mut State, h: f64) {
+    if state.meaning() != Inputs::Continue {
+        return;
+    }
+    for i in 0..state.inputs.len() {
+        let slope = last_slope(state, i);
+        let at = memory::of_load(i);
+        state.input_memory[at + memory::SLOPE] = slope;
+        state.input_memory[at + memory::VALUE] = state.inputs[i];
+    }
+    state.input_memory[memory::STEP] = h;
+    let points = &mut state.input_memory[memory::POINTS];
+    *points = (*points + 1.0).min(2.0);
+}
+
+/// The slope that a host gave for a load.
+pub(crate) fn given_slope(state: &State, load: usize) -> Option<f64> {
+    let at = memory::of_load(load);
+    let is_given = state.input_memory[at + memory::IS_GIVEN] != 0.0;
+    is_given.then(|| state.input_memory[at + memory::GIVEN])
+}
+
+/// Gives a load its slope, or takes it away.
+pub(crate) fn give_slope(state: &mut State, load: usize, slope: Option<f64>) {
+    let at = memory::of_load(load);
+    state.input_memory[at + memory::GIVEN] = slope.unwrap_or(0.0);
+    state.input_memory[at + memory::IS_GIVEN] = f64::from(u8::from(slope.is_some()));
+}
+
+/// Slope of an input between the last communication point and this one; 0 at the first.
+fn last_slope(state: &State, load: usize) -> f64 {
+    let memory = &state.input_memory;
+    if memory[memory::POINTS] == 0.0 {
+        return 0.0;
+    }
+    let before = memory[memory::of_load(load) + memory::VALUE];
+    (state.inputs[load] - before) / memory[memory::STEP]
+}
+
+/// The slope that a load is continued with, and its derivative by the input.
+fn continued(state: &State, load: usize) -> (f64, f64) {
+    let memory = &state.input_memory;
+    let slope = last_slope(state, load);
+    if memory[memory::POINTS] == 0.0 {
+        return (0.0, 0.0);
+    }
+    let by_input = 1.0 / memory[memory::STEP];
+    if memory[memory::POINTS] == 1.0 {
+        return (slope, by_input);
+    }
+    let limit = STEEPEST * memory[memory::of_load(load) + memory::SLOPE];
+    if slope * limit <= 0.0 {
+        (0.0, 0.0)
+    } else if slope.abs() <= limit.abs() {
+        (slope, by_input)
+    } else {
+        (limit, 0.0)
+    }
+}

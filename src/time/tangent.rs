@@ -1,0 +1,410 @@
+//! Derivatives of the outputs at the end of the last step by its inputs, whatever they mean: the consistent tangent.
+//!
+//! Every formula of the step is differentiated where the step was solved. All of them are linear in the tangents except
+//! the friction problem, whose tangents `dw` and `dLambda` are `friction::tangent`'s. The last step is
+//! taken once more from the state before it, so that a step without derivatives costs nothing extra; the repeated step
+//! is the same bit for bit. Where a node is just about to change between stick and slip the outputs have a kink: the
+//! derivative is then that of the branch on which the step ended. An input enters as its course over the step has it
+//! (`input_course`): with its share of the step, with its jump at the beginning, with the slope that it is continued with. Internal steps that `time.tolerance` chose are held: the derivative is that of
+//! the step with just these sizes, and a refused pair of steps is undone in the tangents too.
+
+use super::companion::{Companion, StagePlace};
+use super::record::{explicit_part, integrate};
+use super::scheme::MAX_STAGES;
+use super::workspace::{Explicit, LoadCourse, Velocity, Workspace};
+use crate::body::BodyModel;
+use crate::contact::ContactProblem;
+use crate::contact::problem::norm;
+use crate::contact::solve::tangent::FrictionTangent;
+use crate::error::{Error, Result};
+use crate::linalg::dot;
+use crate::linalg::multiply;
+use crate::model::Model;
+use crate::ports::Quantity;
+use crate::ports::readout;
+use crate::scene::Start;
+use crate::simulator::Simulator;
+use crate::state::{State, energy};
+
+impl Simulator {
+    /// Derivative of all outputs (as [`Simulator::get_outputs`] orders them) at the end of the last step by its inputs (with the
+    /// meaning they have: at its end or its beginning), along `seed` (one value per input): `out = (d outputs / d inputs) seed`. Counts, indicators and solver figures have
+    /// the derivative 0. Costs one step and allocates.
+    ///
+    /// # Errors
+    /// [`Error::CallOrder`] when the state is not the end of a step, [`Error::Length`], [`Error::Value`], [`Error::Overflow`].
+    pub fn directional_derivative(&mut self, seed: &[f64], out: &mut [f64]) -> Result<()> {
+        check("seed of the inputs", seed, self.model().input_count())?;
+        check_len("outputs", out.len(), self.output_len())?;
+        let mut tangents = Tangents::new(self.model(), [seed.to_vec()]);
+        self.repeat_last_step(&mut tangents)?;
+        let mut column = vec![0.0; out.len()];
+        for tangent in &tangents.list {
+            self.tangent_outputs(&tangent.state, &mut column);
+        }
+        self.hand_out(&column, out)
+    }
+
+    /// The transposed derivative: `out = (d outputs / d inputs)^T seed`, `seed` one value per output, `out` one per input.
+    /// Takes the tangent of every input in one repetition of the step.
+    ///
+    /// # Errors
+    /// Those of [`Simulator::directional_derivative`].
+    pub fn adjoint_derivative(&mut self, seed: &[f64], out: &mut [f64]) -> Result<()> {
+        let inputs = self.model().input_count();
+        check("seed of the outputs", seed, self.output_len())?;
+        check_len("inputs", out.len(), inputs)?;
+        let mut tangents = Tangents::new(self.model(), unit_seeds(inputs));
+        self.repeat_last_step(&mut tangents)?;
+        self.weigh(&tangents, seed, out)
+    }
+
+    /// Derivative of all outputs at this instant by the loads at this instant, along `seed`: that of the velocity and the contact
+    /// forces that are consistent with them at fixed displacement. Displacements, slips and energies have the derivative 0,
+    /// and so has everything where `time.start` is `zero`. Needs no step; costs one solution of the friction problem's tangent
+    /// and allocates.
+    ///
+    /// # Errors
+    /// [`Error::CallOrder`] before initialization, [`Error::Length`], [`Error::Value`].
+    pub fn instant_derivative(&mut self, seed: &[f64], out: &mut [f64]) -> Result<()> {
+        check("seed of the inputs", seed, self.model().input_count())?;
+        check_len("outputs", out.len(), self.output_len())?;
+        let tangents = self.instant_tangents([seed.to_vec()])?;
+        let mut column = vec![0.0; out.len()];
+        for tangent in &tangents.list {
+            self.tangent_outputs(&tangent.state, &mut column);
+        }
+        self.hand_out(&column, out)
+    }
+
+    /// The transposed derivative of [`Simulator::instant_derivative`]: `out = (d outputs / d loads)^T seed`.
+    ///
+    /// # Errors
+    /// Those of [`Simulator::instant_derivative`].
+    pub fn instant_adjoint(&mut self, seed: &[f64], out: &mut [f64]) -> Result<()> {
+        let inputs = self.model().input_count();
+        check("seed of the outputs", seed, self.output_len())?;
+        check_len("inputs", out.len(), inputs)?;
+        let tangents = self.instant_tangents(unit_seeds(inputs))?;
+        self.weigh(&tangents, seed, out)
+    }
+
+    fn instant_tangents(&mut self, seeds: impl IntoIterator<Item = Vec<f64>>) -> Result<Tangents> {
+        let mut tangents = Tangents::new(self.model(), seeds);
+        self.solve_here("instant_derivative", |model, state, ws| {
+            if model.start() == Start::Zero {
+                return Ok(());
+            }
+            tangents.settle(model, state, ws)?;
+            for t in &mut tangents.list {
+                t.velocities[0].store_into(&mut t.state);
+            }
+            Ok(())
+        })?;
+        Ok(tangents)
+    }
+
+    /// Sums of the outputs' tangents, weighed by `seed`: one per tangent, if all of them are finite.
+    fn weigh(&self, tangents: &Tangents, seed: &[f64], out: &mut [f64]) -> Result<()> {
+        let mut column = vec![0.0; seed.len()];
+        let mut row = vec![0.0; out.len()];
+        for (entry, tangent) in row.iter_mut().zip(&tangents.list) {
+            self.tangent_outputs(&tangent.state, &mut column);
+            *entry = dot(seed, &column);
+        }
+        self.hand_out(&row, out)
+    }
+
+    /// Writes a derivative, if all of it is finite.
+    fn hand_out(&self, derivative: &[f64], out: &mut [f64]) -> Result<()> {
+        if derivative.iter().any(|v| !v.is_finite()) {
+            return Err(Error::Overflow {
+                what: "a derivative".into(),
+                time: self.time(),
+            });
+        }
+        out.copy_from_slice(derivative);
+        Ok(())
+    }
+
+    fn tangent_outputs(&self, tangent: &State, out: &mut [f64]) {
+        let mut rest = out;
+        for port in self.model().ports().outputs() {
+            let (head, tail) = rest.split_at_mut(port.len());
+            rest = tail;
+            match port.quantity {
+                Quantity::Stick
+                | Quantity::StickFraction
+                | Quantity::Iterations
+                | Quantity::Residual
+                | Quantity::Solutions
+                | Quantity::SolutionGap
+                | Quantity::ErrorEstimate => head.fill(0.0),
+                Quantity::MaxSlipRate => head[0] = self.tangent_of_largest_rate(tangent),
+                // linear in the state
+                _ => readout::read(self.model(), tangent, port, head),
+            }
+        }
+    }
+
+    fn tangent_of_largest_rate(&self, tangent: &State) -> f64 {
+        let c = self.model().contact().components;
+        let rates = self.state().slip_rate.chunks_exact(c);
+        let mut largest = (0.0, 0.0);
+        for (w, dw) in rates.zip(tangent.slip_rate.chunks_exact(c)) {
+            let rate = norm(w);
+            if rate > largest.0 {
+                largest = (rate, dot(w, dw) / rate);
+            }
+        }
+        largest.1
+    }
+}
+
+fn unit_seeds(inputs: usize) -> impl Iterator<Item = Vec<f64>> {
+    (0..inputs).map(move |i| (0..inputs).map(|j| f64::from(u8::from(i == j))).collect())
+}
+
+fn check_len(what: &'static str, found: usize, expected: usize) -> Result<()> {
+    if found == expected {
+        Ok(())
+    } else {
+        Err(Error::Length {
+            what,
+            expected,
+            found,
+        })
+    }
+}
+
+fn check(what: &'static str, seed: &[f64], expected: usize) -> Result<()> {
+    check_len(what, seed.len(), expected)?;
+    match seed.iter().find(|v| !v.is_finite()) {
+        None => Ok(()),
+        Some(&found) => Err(Error::Value {
+            what: what.into(),
+            found,
+            allowed: "finite numbers",
+        }),
+    }
+}
+
+/// Derivatives of everything in a step along one seed.
+struct Tangent {
+    /// Of the inputs.
+    seed: Vec<f64>,
+    state: State,
+    velocities: [Velocity; MAX_STAGES + 1],
+    mean: Velocity,
+    explicit: Explicit,
+    course: LoadCourse,
+    load: Vec<f64>,
+    /// State and velocity at the start of a part that may be refused.
+    kept: (State, Velocity),
+}
+
+/// The tangents of a step along several seeds.
+struct Tangents {
+    list: Vec<Tangent>,
+    /// Derivative of the condensed load, or right-hand side.
+    condensed_load: Vec<f64>,
+    /// `S dw`.
+    product: Vec<f64>,
+    /// Vector of the length of a state.
+    sum: Vec<f64>,
+}
+
+impl Tangents {
+    fn new(model: &Model, seeds: impl IntoIterator<Item = Vec<f64>>) -> Tangents {
+        let contact = model.contact().len();
+        let tangent = |seed: Vec<f64>| Tangent {
+            state: State::zero(model),
+            velocities: std::array::from_fn(|_| Velocity::new(model)),
+            mean: Velocity::new(model),
+            explicit: Explicit::new(model),
+            course: LoadCourse::new(seed.len()),
+            load: seed.clone(),
+            seed,
+            kept: (State::without_history(model), Velocity::new(model)),
+        };
+        Tangents {
+            list: seeds.into_iter().map(tangent).collect(),
+            condensed_load: vec![0.0; contact],
+            product: vec![0.0; contact],
+            sum: vec![0.0; model.states()],
+        }
+    }
+
+    /// Tangent of `step::settle`, whose solution `state` holds.
+    fn settle(&mut self, model: &Model, state: &State, ws: &mut Workspace) -> Result<()> {
+        ws.velocities[0].load_from(state);
+        ws.explicit
+            .accumulated_slip
+            .copy_from_slice(&state.accumulated_slip);
+        self.solve(model, state, ws, 0.0, 0)
+    }
+
+    /// Tangent of `step::solve_stage`: of the velocity at `index`, from the explicit parts and loads in the tangents.
+    fn solve(
+        &mut self,
+        model: &Model,
+        state: &State,
+        ws: &mut Workspace,
+        theta_k: f64,
+        index: usize,
+    ) -> Result<()> {
+        let body = model.body();
+        let law = model.law().with_coefficients(&state.coefficient_array())?;
+        let stage = ws.stages.get(body, theta_k, &mut ws.scratch)?;
+        let contact = ContactProblem {
+            s: stage.s.as_ref(),
+            r: &ws.condensed_load,
+            components: model.contact().components,
+            weights: &model.contact().weights,
+            law: &law,
+            slip_base: &ws.explicit.accumulated_slip,
+            theta_k,
+        };
+        let friction = FrictionTangent::new(&contact, &ws.velocities[index].contact);
+        for tangent in &mut self.list {
+            let velocity = &mut tangent.velocities[index];
+            body.predict(
+                stage,
+                &tangent.explicit.displacement,
+                &tangent.load,
+                &mut self.condensed_load,
+                &mut ws.scratch,
+            );
+            let dr = &mut self.condensed_load;
+            friction.apply(
+                dr,
+                &tangent.explicit.accumulated_slip,
+                &mut velocity.contact,
+                &mut velocity.magnitude,
+            );
+            multiply(contact.s, &velocity.contact, &mut self.product);
+            for (reaction, (dr, product)) in velocity
+                .reaction
+                .iter_mut()
+                .zip(dr.iter().zip(&self.product))
+            {
+                *reaction = dr - product;
+            }
+            let slip = &tangent.explicit.accumulated_slip;
+            friction.forces(
+                &velocity.contact,
+                slip,
+                &velocity.reaction,
+                &mut velocity.force,
+            );
+            body.correct(
+                stage,
+                &velocity.contact,
+                &velocity.reaction,
+                &mut velocity.body,
+                &mut ws.scratch,
+            );
+            body.outputs(&velocity.body, &mut velocity.outputs);
+            velocity.load.copy_from_slice(&tangent.load);
+        }
+        Ok(())
+    }
+}
+
+impl Companion for Tangents {
+    fn start(&mut self, model: &Model, state: &State, ws: &mut Workspace) -> Result<()> {
+        let mut has_jump = false;
+        for t in &mut self.list {
+            for (i, seed) in t.seed.iter().enumerate() {
+                t.course.start[i] = ws.course.start_by_input[i] * seed;
+                t.course.end[i] = ws.course.end_by_input[i] * seed;
+            }
+            t.load.copy_from_slice(&t.course.start);
+            has_jump |= t.load.iter().any(|v| *v != 0.0);
+        }
+        if has_jump && model.tableau().uses_start_velocity() && model.start() != Start::Zero {
+            self.settle(model, state, ws)?;
+        }
+        Ok(())
+    }
+
+    fn keep(&mut self) {
+        for t in &mut self.list {
+            t.kept.0.copy_steps_from(&t.state);
+            t.kept.1.copy_from(&t.velocities[0]);
+        }
+    }
+
+    fn go_back(&mut self) {
+        for t in &mut self.list {
+            t.state.copy_steps_from(&t.kept.0);
+            t.velocities[0].copy_from(&t.kept.1);
+        }
+    }
+
+    fn begin(&mut self, fraction: f64) {
+        for t in &mut self.list {
+            t.course.at(fraction, &mut t.load);
+            t.velocities[0].load.copy_from_slice(&t.load);
+        }
+    }
+
+    fn stage(
+        &mut self,
+        model: &Model,
+        state: &State,
+        ws: &mut Workspace,
+        k: f64,
+        place: StagePlace,
+    ) -> Result<()> {
+        for t in &mut self.list {
+            let known = &t.velocities[..place.index];
+            explicit_part(&t.state, known, place.stage, k, &mut t.explicit);
+            t.course.at(place.fraction, &mut t.load);
+        }
+        self.solve(model, state, ws, place.stage.theta * k, place.index)
+    }
+
+    fn end(&mut self, model: &Model, state: &State, ws: &Workspace, k: f64) {
+        let tableau = model.tableau();
+        let last = tableau.stages().len();
+        let body = model.body();
+        for t in &mut self.list {
+            t.velocities[last].store_into(&mut t.state);
+            integrate(tableau, &mut t.state, &t.velocities[..=last], k);
+            t.mean.set_mean(tableau, &t.velocities);
+            let (mean, d) = (&ws.mean, &t.mean);
+            let (viscous, _) = mixed_products(body, &mean.body, &d.body, &mut self.sum);
+            let displacement = &t.state.displacement;
+            let (_, elastic) =
+                mixed_products(body, &state.displacement, displacement, &mut self.sum);
+            let energy = &mut t.state.energy;
+            energy[energy::EXTERNAL_WORK] +=
+                k * (dot(&mean.load, &d.outputs) + dot(&d.load, &mean.outputs));
+            energy[energy::VISCOUS] += 2.0 * k * viscous;
+            energy[energy::FRICTION] +=
+                k * (dot(&mean.reaction, &d.contact) + dot(&d.reaction, &mean.contact));
+            energy[energy::ELASTIC] = elastic;
+            t.velocities.swap(0, last);
+        }
+    }
+}
+
+/// `(x.A y, x.B y)`, by polarisation of the squares with `y` brought to the size of `x`.
+fn mixed_products(body: &dyn BodyModel, x: &[f64], y: &[f64], sum: &mut [f64]) -> (f64, f64) {
+    let size = |(a, b): (f64, f64)| (a + b).sqrt();
+    let (x_size, y_size) = (size(body.products(x)), size(body.products(y)));
+    if !(x_size > 0.0 && y_size > 0.0) {
+        return (0.0, 0.0);
+    }
+    let scale = x_size / y_size;
+    let mut squares = |sign: f64| {
+        for (sum, (x, y)) in sum.iter_mut().zip(x.iter().zip(y)) {
+            *sum = x + sign * scale * y;
+        }
+        body.products(sum)
+    };
+    let (plus, minus) = (squares(1.0), squares(-1.0));
+    let part = |plus: f64, minus: f64| (plus - minus) / (4.0 * scale);
+    (part(plus.0, minus.0), part(plus.1, minus.1))
+}
