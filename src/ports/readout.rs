@@ -11,7 +11,7 @@ pub(crate) fn read(model: &Model, state: &State, port: &Port, out: &mut [f64]) {
     let contact = model.contact();
     let c = contact.components;
     let is_stuck = |node: usize| {
-        state.slip_rate[node * c..(node + 1) * c]
+        state.main.instant.slip_rate[node * c..(node + 1) * c]
             .iter()
             .all(|w| *w == 0.0)
     };
@@ -21,13 +21,21 @@ pub(crate) fn read(model: &Model, state: &State, port: &Port, out: &mut [f64]) {
     let value = match port.quantity {
         Quantity::TangentialStress => {
             for (i, out) in out.iter_mut().enumerate() {
-                *out = contact.stress(i, state.force[i]);
+                *out = contact.stress(i, state.main.instant.force[i]);
             }
             return;
         }
         Quantity::ContactForce => {
             for (p, out) in out.iter_mut().enumerate() {
-                *out = 0.0 - state.force.iter().skip(p).step_by(c).sum::<f64>();
+                *out = 0.0
+                    - state
+                        .main
+                        .instant
+                        .force
+                        .iter()
+                        .skip(p)
+                        .step_by(c)
+                        .sum::<f64>();
             }
             return;
         }
@@ -37,20 +45,22 @@ pub(crate) fn read(model: &Model, state: &State, port: &Port, out: &mut [f64]) {
             }
             return;
         }
-        Quantity::SlipRate => return out.copy_from_slice(&state.slip_rate),
+        Quantity::SlipRate => return out.copy_from_slice(&state.main.instant.slip_rate),
         Quantity::Slip => return out.copy_from_slice(&state.slip),
-        Quantity::AccumulatedSlip => return out.copy_from_slice(&state.accumulated_slip),
+        Quantity::AccumulatedSlip => return out.copy_from_slice(&state.main.accumulated_slip),
         Quantity::ProbeDisplacement(i) => {
             return out.copy_from_slice(&state.output_displacement[probe(i)]);
         }
         Quantity::ProbeVelocity(i) => {
-            return out.copy_from_slice(&state.output_velocity[probe(i)]);
+            return out.copy_from_slice(&state.main.instant.output_velocity[probe(i)]);
         }
         Quantity::LoadDisplacement(i) => state.output_displacement[i] / model.load_measure(i),
-        Quantity::LoadVelocity(i) => state.output_velocity[i] / model.load_measure(i),
+        Quantity::LoadVelocity(i) => state.main.instant.output_velocity[i] / model.load_measure(i),
         Quantity::Load(i) => state.inputs[i],
         Quantity::Coefficient(i) => state.coefficients[i],
         Quantity::MaxSlipRate => state
+            .main
+            .instant
             .slip_rate
             .chunks_exact(c)
             .map(norm)

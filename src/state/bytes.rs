@@ -1,5 +1,6 @@
 //! Bytes of a saved state: a frame (see `crate::bytes`) of the counters and then the values.
 
+use super::layout::Blocks;
 use super::{COUNTERS, State, history_row};
 use crate::bytes::{Frame, HEADER, OVERHEAD, Reader};
 use crate::error::Result;
@@ -7,7 +8,7 @@ use crate::model::Model;
 
 const FRAME: Frame = Frame {
     magic: *b"SLIPSTAT",
-    format: 3,
+    format: 4,
     what: "saved state",
 };
 
@@ -36,7 +37,10 @@ impl State {
 
     /// Writes the bytes of [`State::to_bytes`] without allocating; `out` has [`State::byte_len`] bytes.
     pub(crate) fn write_bytes(&self, out: &mut [u8]) {
-        let values = self.blocks().into_iter().flatten().map(|v| v.to_bits());
+        let values = self
+            .blocks()
+            .flat_map(|(_, block)| block)
+            .map(|v| v.to_bits());
         let words = self.counters().into_iter().chain(values);
         for (to, word) in out[HEADER..].chunks_exact_mut(8).zip(words) {
             to.copy_from_slice(&word.to_le_bytes());
@@ -65,7 +69,7 @@ impl State {
             *counter = reader.word()?;
         }
         self.set_counters(counters);
-        for value in self.blocks_mut().into_iter().flatten() {
+        for value in self.blocks_mut().flat_map(|(_, block)| block) {
             *value = reader.float()?;
         }
         Ok(())

@@ -1,74 +1,68 @@
 //! The state: all that future steps depend on, and nothing else. Small, flat, compared and restored bit for bit.
 
 mod bytes;
+pub(crate) mod layout;
 mod plausible;
-mod second;
+mod solution;
 
-pub(crate) use second::Second;
+pub(crate) use solution::Instant;
+use solution::Solution;
 
 use crate::contact::law::MAX_COEFFICIENTS;
-use crate::contact::solve::newton::linearisation::no_points;
+use crate::contact::solve::newton::linearisation::clear_points;
 use crate::error::{Error, Result};
 use crate::linalg::dot;
 use crate::model::Model;
 use crate::scene::Inputs;
+use layout::{Blocks, Kind, Sizes, blocks};
 
-/// Where a simulation stands. Vectors over the contact go node by node, components inner.
-#[derive(Debug, Clone, PartialEq)]
-pub struct State {
-    /// Fingerprint of the model it belongs to.
-    fingerprint: u64,
-    /// Time, s.
-    pub(crate) time: f64,
-    /// Internal steps taken.
-    pub(crate) steps: u64,
-    /// Rows ever written to the history.
-    pub(crate) recorded: u64,
-    /// 0 before initialization, 1 after.
-    pub(crate) is_initialized: u64,
-    /// 1 when a coefficient changed and the velocity must be made consistent again.
-    pub(crate) needs_settling: u64,
-    /// What the inputs mean, by its place in [`MEANINGS`].
-    meaning: u64,
-    /// Displacement of the body, in the coordinates of its model.
-    pub(crate) displacement: Vec<f64>,
-    /// Velocity of the body, in the coordinates of its model.
-    pub(crate) velocity: Vec<f64>,
-    /// Tangential velocity of the contact nodes relative to the foundation, m/s (also the warm start).
-    pub(crate) slip_rate: Vec<f64>,
-    /// Tangential displacement relative to the foundation, m.
-    pub(crate) slip: Vec<f64>,
-    /// Contact forces Lambda of the friction law, N; the force on the body is minus this. A node that slips carries its bound.
-    pub(crate) force: Vec<f64>,
-    /// Contact forces with which the body is in balance, N: those of the law but for what the friction solver leaves. They
-    /// do the work in the energy balance.
-    pub(crate) reaction: Vec<f64>,
-    /// Accumulated slip, m, one per node.
-    pub(crate) accumulated_slip: Vec<f64>,
-    /// Load intensities now.
-    pub(crate) loads: Vec<f64>,
-    /// Load intensities as set last; `meaning` says where in the next step.
-    pub(crate) inputs: Vec<f64>,
-    /// What is remembered of the inputs, and slopes that were given; see [`input_memory`].
-    pub(crate) input_memory: Vec<f64>,
-    /// Work-conjugate integrals of the loads, then probes: of the displacement.
-    pub(crate) output_displacement: Vec<f64>,
-    /// The same of the velocity.
-    pub(crate) output_velocity: Vec<f64>,
-    /// External work, elastic energy, viscous and frictional dissipation, J.
-    pub(crate) energy: Vec<f64>,
-    /// Coefficients of the friction law.
-    pub(crate) coefficients: Vec<f64>,
-    /// Points at which the friction solver last factored its matrix (see `friction::linearisation`).
-    pub(crate) linearisation: Vec<f64>,
-    /// Account of the last communication step; see [`report`].
-    pub(crate) report: Vec<f64>,
-    /// What step control and error estimate remember; see [`control`].
-    pub(crate) control: Vec<f64>,
-    /// The second solution; empty without an error estimate.
-    pub(crate) second: Second,
-    /// Ring of the last internal steps: time, slip rate, slip, tangential stress.
-    pub(crate) history: Vec<f64>,
+blocks! {
+    /// Where a simulation stands. Vectors over the contact go node by node, components inner.
+    pub struct State;
+    plain {
+        /// Fingerprint of the model it belongs to.
+        fingerprint: u64,
+        /// Time, s.
+        time: f64,
+        /// Internal steps taken.
+        steps: u64,
+        /// Rows ever written to the history.
+        recorded: u64,
+        /// 0 before initialization, 1 after.
+        is_initialized: u64,
+        /// 1 when a coefficient changed and the velocity must be made consistent again.
+        needs_settling: u64,
+        /// What the inputs mean, by its place in [`MEANINGS`].
+        meaning: u64,
+    }
+    groups {
+        /// The solution that the ports show; its slip rate is the warm start of the next step.
+        main: Solution,
+        /// The second solution of the error estimate, where there is one.
+        second: Option<Solution>,
+    }
+    blocks {
+        /// Tangential displacement relative to the foundation, m.
+        slip: Motion[|s| s.contact()],
+        /// Load intensities now.
+        loads: Given[|s| s.loads],
+        /// Load intensities as set last; `meaning` says where in the next step.
+        inputs: Given[|s| s.loads],
+        /// What is remembered of the inputs, and slopes that were given; see [`input_memory`].
+        input_memory: Given[|s| input_memory::of_load(s.loads)],
+        /// Work-conjugate integrals of the loads, then probes: of the displacement.
+        output_displacement: Motion[|s| s.outputs],
+        /// External work, elastic energy, viscous and frictional dissipation, J; see [`energy`].
+        energy: Motion[|_| energy::COUNT],
+        /// Coefficients of the friction law.
+        coefficients: Given[|s| s.coefficients],
+        /// Account of the last communication step; see [`report`].
+        report: Account[|_| report::COUNT],
+        /// What step control and error estimate remember; see [`control`].
+        control: Account[|_| control::COUNT],
+        /// Ring of the last internal steps: time, slip rate, slip, tangential stress.
+        history: Past[|s| s.rows * history_row(s.contact())],
+    }
 }
 
 /// Places in `State::energy`.
@@ -130,9 +124,6 @@ pub(crate) mod input_memory {
 const MEANINGS: [Inputs; 3] = [Inputs::EndOfStep, Inputs::Hold, Inputs::Continue];
 
 const COUNTERS: usize = 6;
-const BLOCKS: usize = 26;
-/// How many of them, the first ones, internal steps change.
-const STEPPED: usize = BLOCKS - 3;
 
 impl State {
     /// The state before initialization.
@@ -140,161 +131,63 @@ impl State {
         State::with_rows(model, model.history_capacity())
     }
 
+    /// Sizes of the states of a model.
+    pub(crate) fn sizes(model: &Model) -> Sizes {
+        Sizes {
+            states: model.states(),
+            nodes: model.contact().node_count(),
+            components: model.contact().components,
+            loads: model.input_count(),
+            outputs: model.output_count(),
+            coefficients: model.law().coefficients().len(),
+            has_second: model.has_error_estimate(),
+            rows: model.history_capacity(),
+        }
+    }
+
     /// The same with another number of rows in the history.
     fn with_rows(model: &Model, rows: usize) -> State {
-        let contact = model.contact().len();
-        let nodes = model.contact().node_count();
-        let outputs = model.output_count();
-        let start = model.start_loads();
-        State {
-            fingerprint: model.fingerprint(),
-            time: 0.0,
-            steps: 0,
-            recorded: 0,
-            is_initialized: 0,
-            needs_settling: 0,
-            meaning: model.scene().time.inputs.unwrap_or_default() as u64,
-            displacement: vec![0.0; model.states()],
-            velocity: vec![0.0; model.states()],
-            slip_rate: vec![0.0; contact],
-            slip: vec![0.0; contact],
-            force: vec![0.0; contact],
-            reaction: vec![0.0; contact],
-            accumulated_slip: vec![0.0; nodes],
-            loads: start.clone(),
-            input_memory: vec![0.0; input_memory::of_load(start.len())],
-            inputs: start,
-            output_displacement: vec![0.0; outputs],
-            output_velocity: vec![0.0; outputs],
-            energy: vec![0.0; energy::COUNT],
-            coefficients: model.law().coefficients().to_vec(),
-            linearisation: no_points(nodes, model.contact().components),
-            report: vec![0.0; report::COUNT],
-            control: vec![0.0; control::COUNT],
-            second: if model.has_error_estimate() {
-                Second {
-                    displacement: vec![0.0; model.states()],
-                    velocity: vec![0.0; model.states()],
-                    slip_rate: vec![0.0; contact],
-                    force: vec![0.0; contact],
-                    reaction: vec![0.0; contact],
-                    accumulated_slip: vec![0.0; nodes],
-                    output_velocity: vec![0.0; outputs],
-                    linearisation: no_points(nodes, model.contact().components),
-                }
-            } else {
-                Second::default()
-            },
-            history: vec![0.0; rows * history_row(contact)],
+        let sizes = State::sizes(model);
+        let mut state = State::allocate(&Sizes { rows, ..sizes });
+        let (start, coefficients) = (model.start_loads(), model.law().coefficients());
+        state.fingerprint = model.fingerprint();
+        state.set_meaning(model.scene().time.inputs.unwrap_or_default());
+        state.loads.copy_from_slice(&start);
+        state.inputs.copy_from_slice(&start);
+        state.coefficients.copy_from_slice(&coefficients);
+        for (_, points) in state.blocks_mut().filter(|(kind, _)| *kind == Kind::Marks) {
+            clear_points(points);
         }
+        state
     }
 
     /// Zeros: the tangent of a state that depends on nothing yet.
     pub(crate) fn zero(model: &Model) -> State {
         let mut state = State::new(model);
-        state.blocks_mut().into_iter().for_each(|b| b.fill(0.0));
+        state.blocks_mut().for_each(|(_, block)| block.fill(0.0));
         state
     }
 
     /// A state that only [`State::copy_steps_from`] writes.
     pub(crate) fn without_history(model: &Model) -> State {
-        State {
-            history: Vec::new(),
-            ..State::with_rows(model, 0)
-        }
+        State::with_rows(model, 0)
     }
 
-    /// The blocks; report, control and history are the last ones.
-    fn blocks(&self) -> [&Vec<f64>; BLOCKS] {
-        [
-            &self.displacement,
-            &self.velocity,
-            &self.slip_rate,
-            &self.slip,
-            &self.force,
-            &self.reaction,
-            &self.accumulated_slip,
-            &self.loads,
-            &self.inputs,
-            &self.input_memory,
-            &self.output_displacement,
-            &self.output_velocity,
-            &self.energy,
-            &self.coefficients,
-            &self.linearisation,
-            &self.second.displacement,
-            &self.second.velocity,
-            &self.second.slip_rate,
-            &self.second.force,
-            &self.second.reaction,
-            &self.second.accumulated_slip,
-            &self.second.output_velocity,
-            &self.second.linearisation,
-            &self.report,
-            &self.control,
-            &self.history,
-        ]
-    }
-
-    fn blocks_mut(&mut self) -> [&mut Vec<f64>; BLOCKS] {
-        [
-            &mut self.displacement,
-            &mut self.velocity,
-            &mut self.slip_rate,
-            &mut self.slip,
-            &mut self.force,
-            &mut self.reaction,
-            &mut self.accumulated_slip,
-            &mut self.loads,
-            &mut self.inputs,
-            &mut self.input_memory,
-            &mut self.output_displacement,
-            &mut self.output_velocity,
-            &mut self.energy,
-            &mut self.coefficients,
-            &mut self.linearisation,
-            &mut self.second.displacement,
-            &mut self.second.velocity,
-            &mut self.second.slip_rate,
-            &mut self.second.force,
-            &mut self.second.reaction,
-            &mut self.second.accumulated_slip,
-            &mut self.second.output_velocity,
-            &mut self.second.linearisation,
-            &mut self.report,
-            &mut self.control,
-            &mut self.history,
-        ]
-    }
-
-    /// The blocks but for points of linearisation, in which infinity is a mark, and the recorded past.
-    fn numbers(&self) -> impl Iterator<Item = &Vec<f64>> {
-        let marked = [&self.linearisation, &self.second.linearisation];
-        let is_marked = move |block: &Vec<f64>| marked.iter().any(|m| std::ptr::eq(*m, block));
-        let blocks = self.blocks().into_iter().take(BLOCKS - 1);
-        blocks.filter(move |block| !is_marked(block))
+    /// The blocks in which every number is finite, but for the recorded past.
+    fn numbers(&self) -> impl Iterator<Item = (Kind, &Vec<f64>)> {
+        self.blocks()
+            .filter(|(kind, _)| !matches!(kind, Kind::Marks | Kind::Past))
     }
 
     /// Sum of the squares of all numbers but the recorded past; not a number, or infinite, where one of them is.
     pub(crate) fn sum_of_squares(&self) -> f64 {
-        self.numbers().map(|block| dot(block, block)).sum()
+        self.numbers().map(|(_, block)| dot(block, block)).sum()
     }
 
     /// Whether all numbers but the recorded past are finite.
     pub(crate) fn is_finite(&self) -> bool {
-        self.numbers().flatten().all(|v| v.is_finite())
-    }
-
-    /// The blocks that are zero before initialization.
-    fn moving(&self) -> impl Iterator<Item = &Vec<f64>> {
-        let given = [
-            &self.loads,
-            &self.inputs,
-            &self.input_memory,
-            &self.coefficients,
-        ];
-        let is_given = move |block: &Vec<f64>| given.iter().any(|g| std::ptr::eq(*g, block));
-        self.numbers().filter(move |block| !is_given(block))
+        self.numbers()
+            .all(|(_, block)| block.iter().all(|v| v.is_finite()))
     }
 
     fn counters(&self) -> [u64; COUNTERS] {
@@ -342,10 +235,7 @@ impl State {
     /// Those of [`State::copy_from`].
     pub(crate) fn copy_present_from(&mut self, other: &State) -> Result<()> {
         self.check_fingerprint(other.fingerprint)?;
-        let blocks = self.blocks_mut().into_iter().zip(other.blocks());
-        for (to, from) in blocks.take(BLOCKS - 1) {
-            to.copy_from_slice(from);
-        }
+        self.copy_blocks(other, |kind| kind != Kind::Past);
         self.set_counters(other.counters());
         Ok(())
     }
@@ -365,11 +255,22 @@ impl State {
     /// Copies all that internal steps change of another state of the same model. Not the account of the communication step
     /// and the memory of the step control, which go on; nor the history: rows that were written in vain are written again.
     pub(crate) fn copy_steps_from(&mut self, other: &State) {
-        let blocks = self.blocks_mut().into_iter().zip(other.blocks());
-        for (to, from) in blocks.take(STEPPED) {
-            to.copy_from_slice(from);
-        }
+        self.copy_blocks(other, |kind| !matches!(kind, Kind::Account | Kind::Past));
         self.set_counters(other.counters());
+    }
+
+    /// Exchanges the main solution and the second one, where there is one.
+    pub(crate) fn swap_second(&mut self) {
+        if let Some(second) = &mut self.second {
+            std::mem::swap(&mut self.main, second);
+        }
+    }
+
+    /// Makes the second solution, where there is one, the same as the main one.
+    pub(crate) fn copy_to_second(&mut self) {
+        if let Some(second) = &mut self.second {
+            second.copy_blocks(&self.main, |_| true);
+        }
     }
 
     fn check_fingerprint(&self, found: u64) -> Result<()> {
@@ -399,17 +300,17 @@ impl State {
 
     /// Displacement of the body in the coordinates of its model ([`crate::Compilation::field`] gives the nodal field).
     pub fn displacement(&self) -> &[f64] {
-        &self.displacement
+        &self.main.displacement
     }
 
     /// Velocity of the body in the coordinates of its model.
     pub fn velocity(&self) -> &[f64] {
-        &self.velocity
+        &self.main.instant.velocity
     }
 
     /// Number of values, counters apart: what a save copies.
     pub fn len(&self) -> usize {
-        self.blocks().iter().map(|b| b.len()).sum()
+        self.blocks().map(|(_, block)| block.len()).sum()
     }
 
     /// A state always holds values.

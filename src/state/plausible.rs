@@ -1,6 +1,7 @@
 //! What a state that was read from bytes must satisfy before anything computes with it. The checksum finds damage, not what
 //! another program has written.
 
+use super::layout::{Blocks, Kind};
 use super::{MEANINGS, State};
 use crate::bytes::Reader;
 use crate::contact::solve::newton::linearisation;
@@ -24,7 +25,7 @@ impl State {
         ensure(self.time.is_finite(), "its time is not finite")?;
         ensure(
             self.is_initialized <= 1 && self.needs_settling <= self.is_initialized,
-            "its phase is none",
+            "its phase is invalid",
         )?;
         ensure(
             self.meaning < MEANINGS.len() as u64,
@@ -41,26 +42,23 @@ impl State {
             "its numbers of steps and of recorded steps do not fit each other",
         )?;
         ensure(self.is_finite(), "a number is not finite")?;
-        ensure(
-            self.history.iter().all(|v| v.is_finite()),
-            "a number of its past is not finite",
-        )?;
-        let magnitudes = [
-            &self.accumulated_slip,
-            &self.second.accumulated_slip,
-            &self.report,
-            &self.control,
-        ];
-        ensure(
-            magnitudes.into_iter().flatten().all(|v| *v >= 0.0),
-            "a magnitude or count is negative",
-        )?;
         let components = model.contact().components;
-        for points in [&self.linearisation, &self.second.linearisation] {
-            ensure(
-                linearisation::is_plausible(points, components),
-                "a point of linearisation is none",
-            )?;
+        for (kind, block) in self.blocks() {
+            match kind {
+                Kind::Motion | Kind::Given => {}
+                Kind::Magnitude | Kind::Account => ensure(
+                    block.iter().all(|v| *v >= 0.0),
+                    "a magnitude or count is negative",
+                )?,
+                Kind::Marks => ensure(
+                    linearisation::is_plausible(block, components),
+                    "a point of linearisation is invalid",
+                )?,
+                Kind::Past => ensure(
+                    block.iter().all(|v| v.is_finite()),
+                    "a number of its past is not finite",
+                )?,
+            }
         }
         for (i, value) in self.coefficients.iter().enumerate() {
             if i < model.law().coefficient_names().len() {
@@ -70,10 +68,17 @@ impl State {
         }
         if self.is_initialized == 0 {
             ensure(
-                self.steps == 0 && self.moving().flatten().all(|v| *v == 0.0),
+                self.steps == 0 && self.is_at_rest(),
                 "it has moved before its initialization",
             )?;
         }
         Ok(())
+    }
+
+    /// Whether everything that is zero before initialization is zero.
+    fn is_at_rest(&self) -> bool {
+        self.numbers()
+            .filter(|(kind, _)| *kind != Kind::Given)
+            .all(|(_, block)| block.iter().all(|v| *v == 0.0))
     }
 }

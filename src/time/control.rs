@@ -98,7 +98,7 @@ pub(crate) fn start(model: &Model, state: &mut State) {
 
 /// Takes note of the slip rate, for the figures that are relative to the largest one.
 pub(crate) fn watch(model: &Model, state: &mut State) {
-    let norm = contact_norm(model, |i| state.slip_rate[i]);
+    let norm = contact_norm(model, |i| state.main.instant.slip_rate[i]);
     let largest = &mut state.control[control::LARGEST_SLIP_RATE];
     *largest = largest.max(norm);
 }
@@ -225,30 +225,45 @@ fn error_of(
     } = control;
     simpson_error(
         body,
-        [&kept.displacement, &state.displacement],
-        [&kept.velocity, &middle.body, &state.velocity],
+        [&kept.main.displacement, &state.main.displacement],
+        [
+            &kept.main.instant.velocity,
+            &middle.instant.velocity,
+            &state.main.instant.velocity,
+        ],
         part.k,
     );
     simpson_error(
         contact,
         [&kept.slip, &state.slip],
-        [&kept.slip_rate, &middle.contact, &state.slip_rate],
+        [
+            &kept.main.instant.slip_rate,
+            &middle.instant.slip_rate,
+            &state.main.instant.slip_rate,
+        ],
         part.k,
     );
-    let size = viscous_norm(model, &state.velocity);
+    let size = viscous_norm(model, &state.main.instant.velocity);
     let largest = &mut state.control[control::BODY_SCALE];
     *largest = largest.max(size);
     let body_scale = *largest;
     // |w_c| <= |w| / sqrt(smallest eigenvalue of the condensed viscosity)
     let possible = body_scale / model.certificate().sharp_instant.sqrt();
-    let slip_rate = contact_norm(model, |i| state.slip_rate[i]);
+    let slip_rate = contact_norm(model, |i| state.main.instant.slip_rate[i]);
     let largest = &mut state.control[control::CONTACT_SCALE];
     *largest = largest.max(slip_rate);
     let contact_scale = largest.max(CONTACT_FLOOR * possible);
 
     let components = model.contact().components;
-    let is_kinked = has_changed(&kept.slip_rate, &middle.contact, components)
-        || has_changed(&middle.contact, &state.slip_rate, components);
+    let is_kinked = has_changed(
+        &kept.main.instant.slip_rate,
+        &middle.instant.slip_rate,
+        components,
+    ) || has_changed(
+        &middle.instant.slip_rate,
+        &state.main.instant.slip_rate,
+        components,
+    );
     let burst = f64::from(u8::from(is_kinked)) * BURST / model.summary().rates[1];
     let share = |error: f64, scale: f64| match error {
         0.0 => 0.0,

@@ -87,7 +87,10 @@ fn follow_with(
 
 /// The estimate at the instant of the state; 0 as long as the contact has never moved.
 pub(crate) fn estimate(model: &Model, state: &State) -> f64 {
-    let (main, second) = (&state.slip_rate, &state.second.slip_rate);
+    let Some(second) = &state.second else {
+        return 0.0;
+    };
+    let (main, second) = (&state.main.instant.slip_rate, &second.instant.slip_rate);
     let difference = contact_norm(model, |i| main[i] - second[i]);
     if difference == 0.0 {
         return 0.0;

@@ -14,13 +14,19 @@ pub(crate) fn explicit_part(
     k: f64,
     explicit: &mut Explicit,
 ) {
-    explicit.displacement.copy_from_slice(&state.displacement);
+    explicit
+        .displacement
+        .copy_from_slice(&state.main.displacement);
     explicit
         .accumulated_slip
-        .copy_from_slice(&state.accumulated_slip);
+        .copy_from_slice(&state.main.accumulated_slip);
     for (a, velocity) in stage.explicit.iter().zip(known) {
         if *a != 0.0 {
-            add_scaled(&mut explicit.displacement, a * k, &velocity.body);
+            add_scaled(
+                &mut explicit.displacement,
+                a * k,
+                &velocity.instant.velocity,
+            );
             add_scaled(&mut explicit.accumulated_slip, a * k, &velocity.magnitude);
         }
     }
@@ -32,8 +38,12 @@ pub(crate) fn integrate(tableau: &Tableau, state: &mut State, velocities: &[Velo
     for (j, velocity) in velocities.iter().enumerate() {
         let weight = tableau.weight(j) * k;
         if weight != 0.0 {
-            add_scaled(&mut state.slip, weight, &velocity.contact);
-            add_scaled(&mut state.output_displacement, weight, &velocity.outputs);
+            add_scaled(&mut state.slip, weight, &velocity.instant.slip_rate);
+            add_scaled(
+                &mut state.output_displacement,
+                weight,
+                &velocity.instant.output_velocity,
+            );
         }
     }
 }
@@ -48,8 +58,16 @@ pub(crate) fn integrate_solution(
     for (j, velocity) in velocities.iter().enumerate() {
         let weight = tableau.weight(j) * k;
         if weight != 0.0 {
-            add_scaled(&mut state.displacement, weight, &velocity.body);
-            add_scaled(&mut state.accumulated_slip, weight, &velocity.magnitude);
+            add_scaled(
+                &mut state.main.displacement,
+                weight,
+                &velocity.instant.velocity,
+            );
+            add_scaled(
+                &mut state.main.accumulated_slip,
+                weight,
+                &velocity.magnitude,
+            );
         }
     }
 }
@@ -62,12 +80,12 @@ pub(crate) fn add_energies(model: &Model, state: &mut State, ws: &mut Workspace,
         velocities, mean, ..
     } = ws;
     mean.set_mean(tableau, velocities);
-    let (viscous, _) = model.body().products(&mean.body);
-    let (_, elastic) = model.body().products(&state.displacement);
+    let (viscous, _) = model.body().products(&mean.instant.velocity);
+    let (_, elastic) = model.body().products(&state.main.displacement);
     // the outputs begin with the loads
-    state.energy[energy::EXTERNAL_WORK] += k * dot(&mean.load, &mean.outputs);
+    state.energy[energy::EXTERNAL_WORK] += k * dot(&mean.load, &mean.instant.output_velocity);
     state.energy[energy::VISCOUS] += k * viscous;
-    state.energy[energy::FRICTION] += k * dot(&mean.reaction, &mean.contact);
+    state.energy[energy::FRICTION] += k * dot(&mean.instant.reaction, &mean.instant.slip_rate);
     state.energy[energy::ELASTIC] = 0.5 * elastic;
 }
 
@@ -83,10 +101,10 @@ pub(crate) fn record(model: &Model, state: &mut State) {
     let row = &mut state.history[at..at + row_len];
     let contact = model.contact();
     row[0] = state.time;
-    row[1..=m].copy_from_slice(&state.slip_rate);
+    row[1..=m].copy_from_slice(&state.main.instant.slip_rate);
     row[1 + m..=2 * m].copy_from_slice(&state.slip);
     for (i, stress) in row[1 + 2 * m..].iter_mut().enumerate() {
-        *stress = contact.stress(i, state.force[i]);
+        *stress = contact.stress(i, state.main.instant.force[i]);
     }
     state.recorded += 1;
 }

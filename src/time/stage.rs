@@ -46,19 +46,19 @@ pub(crate) fn solve_stage(
             &contact,
             *tolerance,
             *max_iterations,
-            &mut velocity.contact,
-            &mut Linearisation::of(&mut state.linearisation, theta_k),
+            &mut velocity.instant.slip_rate,
+            &mut Linearisation::of(&mut state.main.linearisation, theta_k),
             &mut ws.newton,
         ),
         SolverSettings::FixedPoint(settings) => {
-            let (trial, scratch) = (&mut velocity.body, &mut ws.scratch);
+            let (trial, scratch) = (&mut velocity.instant.velocity, &mut ws.scratch);
             let (last, explicit) = (&mut ws.last_iterate, &ws.explicit.displacement);
-            last.copy_from_slice(&state.displacement);
+            last.copy_from_slice(&state.main.displacement);
             fixed_point::solve(
                 &contact,
                 *settings,
-                &state.force,
-                &mut velocity.contact,
+                &state.main.instant.force,
+                &mut velocity.instant.slip_rate,
                 &mut ws.newton,
                 &mut ws.fixed_point,
                 |w, force| {
@@ -92,7 +92,7 @@ pub(crate) fn solve_stage(
     if model.has_multiplicity_test() {
         test_multiplicity(
             &contact,
-            &velocity.contact,
+            &velocity.instant.slip_rate,
             &mut ws.multiplicity,
             settings,
             state,
@@ -106,26 +106,29 @@ pub(crate) fn solve_stage(
         entry[report::AT_ROUNDING] = 1.0;
     }
     let accepted = ws.newton.accepted();
-    contact.forces(accepted, &mut velocity.force);
-    for (reaction, y) in velocity.reaction.iter_mut().zip(&accepted.y) {
+    contact.forces(accepted, &mut velocity.instant.force);
+    for (reaction, y) in velocity.instant.reaction.iter_mut().zip(&accepted.y) {
         *reaction = -y;
     }
     let components = model.contact().components;
     for (magnitude, w) in velocity
         .magnitude
         .iter_mut()
-        .zip(velocity.contact.chunks_exact(components))
+        .zip(velocity.instant.slip_rate.chunks_exact(components))
     {
         *magnitude = norm(w);
     }
     body.correct(
         stage,
-        &velocity.contact,
-        &velocity.reaction,
-        &mut velocity.body,
+        &velocity.instant.slip_rate,
+        &velocity.instant.reaction,
+        &mut velocity.instant.velocity,
         &mut ws.scratch,
     );
-    body.outputs(&velocity.body, &mut velocity.outputs);
+    body.outputs(
+        &velocity.instant.velocity,
+        &mut velocity.instant.output_velocity,
+    );
     velocity.load.copy_from_slice(&ws.load);
     Ok(())
 }

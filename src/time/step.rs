@@ -96,10 +96,10 @@ pub(crate) fn settle(model: &Model, state: &mut State, ws: &mut Workspace) -> Re
     }
     ws.explicit
         .displacement
-        .copy_from_slice(&state.displacement);
+        .copy_from_slice(&state.main.displacement);
     ws.explicit
         .accumulated_slip
-        .copy_from_slice(&state.accumulated_slip);
+        .copy_from_slice(&state.main.accumulated_slip);
     ws.load.copy_from_slice(&state.loads);
     ws.velocities[0].load_from(state);
     solve_stage(model, state, ws, 0.0, 0)?;

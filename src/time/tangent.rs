@@ -149,9 +149,9 @@ impl Simulator {
 
     fn tangent_of_largest_rate(&self, tangent: &State) -> f64 {
         let c = self.model().contact().components;
-        let rates = self.state().slip_rate.chunks_exact(c);
+        let rates = self.state().main.instant.slip_rate.chunks_exact(c);
         let mut largest = (0.0, 0.0);
-        for (w, dw) in rates.zip(tangent.slip_rate.chunks_exact(c)) {
+        for (w, dw) in rates.zip(tangent.main.instant.slip_rate.chunks_exact(c)) {
             let rate = norm(w);
             if rate > largest.0 {
                 largest = (rate, dot(w, dw) / rate);
@@ -240,7 +240,7 @@ impl Tangents {
         ws.velocities[0].load_from(state);
         ws.explicit
             .accumulated_slip
-            .copy_from_slice(&state.accumulated_slip);
+            .copy_from_slice(&state.main.accumulated_slip);
         self.solve(model, state, ws, 0.0, 0)
     }
 
@@ -265,7 +265,7 @@ impl Tangents {
             slip_base: &ws.explicit.accumulated_slip,
             theta_k,
         };
-        let friction = FrictionTangent::new(&contact, &ws.velocities[index].contact);
+        let friction = FrictionTangent::new(&contact, &ws.velocities[index].instant.slip_rate);
         for tangent in &mut self.list {
             let velocity = &mut tangent.velocities[index];
             body.predict(
@@ -279,11 +279,12 @@ impl Tangents {
             friction.apply(
                 dr,
                 &tangent.explicit.accumulated_slip,
-                &mut velocity.contact,
+                &mut velocity.instant.slip_rate,
                 &mut velocity.magnitude,
             );
-            multiply(contact.s, &velocity.contact, &mut self.product);
+            multiply(contact.s, &velocity.instant.slip_rate, &mut self.product);
             for (reaction, (dr, product)) in velocity
+                .instant
                 .reaction
                 .iter_mut()
                 .zip(dr.iter().zip(&self.product))
@@ -292,19 +293,22 @@ impl Tangents {
             }
             let slip = &tangent.explicit.accumulated_slip;
             friction.forces(
-                &velocity.contact,
+                &velocity.instant.slip_rate,
                 slip,
-                &velocity.reaction,
-                &mut velocity.force,
+                &velocity.instant.reaction,
+                &mut velocity.instant.force,
             );
             body.correct(
                 stage,
-                &velocity.contact,
-                &velocity.reaction,
-                &mut velocity.body,
+                &velocity.instant.slip_rate,
+                &velocity.instant.reaction,
+                &mut velocity.instant.velocity,
                 &mut ws.scratch,
             );
-            body.outputs(&velocity.body, &mut velocity.outputs);
+            body.outputs(
+                &velocity.instant.velocity,
+                &mut velocity.instant.output_velocity,
+            );
             velocity.load.copy_from_slice(&tangent.load);
         }
         Ok(())
@@ -374,16 +378,23 @@ impl Companion for Tangents {
             integrate(tableau, &mut t.state, &t.velocities[..=last], k);
             t.mean.set_mean(tableau, &t.velocities);
             let (mean, d) = (&ws.mean, &t.mean);
-            let (viscous, _) = mixed_products(body, &mean.body, &d.body, &mut self.sum);
-            let displacement = &t.state.displacement;
+            let (viscous, _) = mixed_products(
+                body,
+                &mean.instant.velocity,
+                &d.instant.velocity,
+                &mut self.sum,
+            );
+            let displacement = &t.state.main.displacement;
             let (_, elastic) =
-                mixed_products(body, &state.displacement, displacement, &mut self.sum);
+                mixed_products(body, &state.main.displacement, displacement, &mut self.sum);
             let energy = &mut t.state.energy;
-            energy[energy::EXTERNAL_WORK] +=
-                k * (dot(&mean.load, &d.outputs) + dot(&d.load, &mean.outputs));
+            energy[energy::EXTERNAL_WORK] += k
+                * (dot(&mean.load, &d.instant.output_velocity)
+                    + dot(&d.load, &mean.instant.output_velocity));
             energy[energy::VISCOUS] += 2.0 * k * viscous;
-            energy[energy::FRICTION] +=
-                k * (dot(&mean.reaction, &d.contact) + dot(&d.reaction, &mean.contact));
+            energy[energy::FRICTION] += k
+                * (dot(&mean.instant.reaction, &d.instant.slip_rate)
+                    + dot(&d.instant.reaction, &mean.instant.slip_rate));
             energy[energy::ELASTIC] = elastic;
             t.velocities.swap(0, last);
         }

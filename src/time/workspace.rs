@@ -9,95 +9,70 @@ use crate::contact::solve::multiplicity::MultiplicityWorkspace;
 use crate::contact::solve::newton;
 use crate::linalg::add_scaled;
 use crate::model::Model;
-use crate::state::State;
+use crate::state::layout::Blocks;
+use crate::state::{Instant, State};
 
-/// Velocity, forces and loads at one instant of a step.
+/// Rates and forces at one instant of a step, with what is made of them and the loads.
 pub(crate) struct Velocity {
-    pub body: Vec<f64>,
-    pub contact: Vec<f64>,
+    pub instant: Instant,
     /// Magnitude of the slip rate, one per node.
     pub magnitude: Vec<f64>,
-    /// Contact forces of the friction law.
-    pub force: Vec<f64>,
-    /// Contact forces with which the body is in balance.
-    pub reaction: Vec<f64>,
-    /// Work-conjugate integrals of the loads, then probes.
-    pub outputs: Vec<f64>,
     pub load: Vec<f64>,
 }
 
 impl Velocity {
     pub fn new(model: &Model) -> Velocity {
-        let contact = model.contact();
+        let sizes = State::sizes(model);
         Velocity {
-            body: vec![0.0; model.states()],
-            contact: vec![0.0; contact.len()],
-            magnitude: vec![0.0; contact.node_count()],
-            force: vec![0.0; contact.len()],
-            reaction: vec![0.0; contact.len()],
-            outputs: vec![0.0; model.output_count()],
-            load: vec![0.0; model.interpolations().len()],
+            instant: Instant::allocate(&sizes),
+            magnitude: vec![0.0; sizes.nodes],
+            load: vec![0.0; sizes.loads],
         }
     }
 
     /// The instant a state stands at (loads apart).
     pub fn load_from(&mut self, state: &State) {
-        self.body.copy_from_slice(&state.velocity);
-        self.contact.copy_from_slice(&state.slip_rate);
-        self.force.copy_from_slice(&state.force);
-        self.reaction.copy_from_slice(&state.reaction);
-        self.outputs.copy_from_slice(&state.output_velocity);
-        let components = self.contact.len() / self.magnitude.len();
-        for (to, w) in self
-            .magnitude
-            .iter_mut()
-            .zip(self.contact.chunks_exact(components))
-        {
+        self.instant.copy_blocks(&state.main.instant, |_| true);
+        let components = self.instant.slip_rate.len() / self.magnitude.len();
+        let rates = self.instant.slip_rate.chunks_exact(components);
+        for (to, w) in self.magnitude.iter_mut().zip(rates) {
             *to = crate::contact::problem::norm(w);
         }
     }
 
     pub fn copy_warm_start(&mut self, state: &State) {
-        self.contact.copy_from_slice(&state.slip_rate);
+        let warm = &state.main.instant.slip_rate;
+        self.instant.slip_rate.copy_from_slice(warm);
     }
 
     /// The contact of a stage: warm start and last forces of the next one.
     pub fn store_contact(&self, state: &mut State) {
-        state.slip_rate.copy_from_slice(&self.contact);
-        state.force.copy_from_slice(&self.force);
-        state.reaction.copy_from_slice(&self.reaction);
+        let (to, from) = (&mut state.main.instant, &self.instant);
+        to.slip_rate.copy_from_slice(&from.slip_rate);
+        to.force.copy_from_slice(&from.force);
+        to.reaction.copy_from_slice(&from.reaction);
     }
 
     /// Makes this the instant of the state.
     pub fn store_into(&self, state: &mut State) {
-        self.store_contact(state);
-        state.velocity.copy_from_slice(&self.body);
-        state.output_velocity.copy_from_slice(&self.outputs);
+        state.main.instant.copy_blocks(&self.instant, |_| true);
     }
 
     pub fn copy_from(&mut self, other: &Velocity) {
-        self.body.copy_from_slice(&other.body);
-        self.contact.copy_from_slice(&other.contact);
+        self.instant.copy_blocks(&other.instant, |_| true);
         self.magnitude.copy_from_slice(&other.magnitude);
-        self.force.copy_from_slice(&other.force);
-        self.reaction.copy_from_slice(&other.reaction);
-        self.outputs.copy_from_slice(&other.outputs);
         self.load.copy_from_slice(&other.load);
     }
 
-    /// The mean over a step (weights b_j) of the velocities at its start and its stages; of the forces only those of balance.
+    /// The mean over a step (weights b_j) of rates, forces and loads at its start and its stages.
     pub fn set_mean(&mut self, tableau: &Tableau, velocities: &[Velocity]) {
         let count = tableau.stages().len() + 1;
         for (j, velocity) in velocities[..count].iter().enumerate() {
             let weight = tableau.weight(j);
-            let others = [
-                &velocity.body,
-                &velocity.contact,
-                &velocity.reaction,
-                &velocity.outputs,
-                &velocity.load,
-            ];
-            for (to, from) in self.parts().into_iter().zip(others) {
+            let to = self.instant.blocks_mut().map(|(_, block)| block);
+            let from = velocity.instant.blocks().map(|(_, block)| block);
+            let blocks = to.chain([&mut self.load]).zip(from.chain([&velocity.load]));
+            for (to, from) in blocks {
                 if j == 0 {
                     to.fill(0.0);
                 }
@@ -106,16 +81,6 @@ impl Velocity {
                 }
             }
         }
-    }
-
-    fn parts(&mut self) -> [&mut Vec<f64>; 5] {
-        [
-            &mut self.body,
-            &mut self.contact,
-            &mut self.reaction,
-            &mut self.outputs,
-            &mut self.load,
-        ]
     }
 }
 

@@ -23,12 +23,19 @@ pub const fn block_len(components: usize) -> usize {
     components * (components + 1) / 2
 }
 
-/// The points of a state before any linearisation: nothing is free.
-pub fn no_points(nodes: usize, components: usize) -> Vec<f64> {
-    let blocks = nodes * block_len(components);
-    let mut point = vec![CLAMPED; HEAD + blocks];
-    point[..HEAD].fill(0.0);
-    point.repeat(POINTS)
+/// Length of the points of a contact.
+pub fn points_len(nodes: usize, components: usize) -> usize {
+    POINTS * (HEAD + nodes * block_len(components))
+}
+
+/// Makes points those of no factorization yet.
+pub fn clear_points(points: &mut [f64]) {
+    let len = points.len() / POINTS;
+    for point in points.chunks_exact_mut(len) {
+        let (head, blocks) = point.split_at_mut(HEAD);
+        head.fill(0.0);
+        blocks.fill(CLAMPED);
+    }
 }
 
 /// Whether points that were read from bytes are such: finite heads, and blocks that are finite or mark a node as not free.
