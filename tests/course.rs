@@ -4,7 +4,8 @@ mod common;
 
 use common::{paper, relative, values};
 use stickslip::scene::Signal;
-use stickslip::simulator::course::{Points, set_loads, step_to};
+use stickslip::simulator::course::Points;
+use stickslip::simulator::drive::Drive;
 use stickslip::{Scene, Simulator, compile};
 
 fn with_signal(mut scene: Scene, table: &[[f64; 2]]) -> Scene {
@@ -16,15 +17,38 @@ fn with_signal(mut scene: Scene, table: &[[f64; 2]]) -> Scene {
 
 /// Runs a scene and shows its simulator at every communication point, jumps included.
 fn run(scene: &Scene, mut watch: impl FnMut(&Simulator)) -> Simulator {
-    let points = Points::checked(scene).unwrap();
     let mut simulator = Simulator::new(compile(scene).unwrap());
-    set_loads(scene, &mut simulator, 0.0).unwrap();
-    simulator.init(0.0).unwrap();
-    for time in (1..=points.count).flat_map(|n| points.stops(n)) {
-        step_to(scene, &points, &mut simulator, time).unwrap();
-        watch(&simulator);
+    let mut drive = Drive::start(scene, &mut simulator).unwrap();
+    while let Some(simulator) = drive.step().unwrap() {
+        watch(simulator);
     }
     simulator
+}
+
+/// A run that is taken up again from a saved state ends with the same bits, also where it was left at a jump.
+#[test]
+fn a_run_is_taken_up_again_from_a_saved_state() {
+    let table = [[0.0, -0.3], [0.17, -0.3], [0.17, -0.1], [1.0, -0.4]];
+    let scene = with_signal(paper(8, &[("time.step", "0.1")]), &table);
+    let whole = run(&scene, |_| {});
+    assert!(whole.get_by_name("contact.max_slip_rate").unwrap()[0] > 0.0);
+    for stop in 1..12 {
+        let mut first = Simulator::new(compile(&scene).unwrap());
+        let mut drive = Drive::start(&scene, &mut first).unwrap();
+        for _ in 0..stop {
+            drive.step().unwrap();
+        }
+        let mut second = Simulator::new(compile(&scene).unwrap());
+        assert!(Drive::resume(&scene, &mut second).is_err());
+        second.restore(first.state()).unwrap();
+        let mut drive = Drive::resume(&scene, &mut second).unwrap();
+        while drive.step().unwrap().is_some() {}
+        assert_eq!(
+            second.to_bytes(),
+            whole.to_bytes(),
+            "left after {stop} steps"
+        );
+    }
 }
 
 /// Levels with jumps between them are what held inputs are: the same bits at every communication point.

@@ -4,7 +4,7 @@ mod common;
 
 use common::paper;
 use std::sync::Arc;
-use stickslip::simulator::course::{Points, set_loads};
+use stickslip::simulator::drive::Drive;
 use stickslip::tradeoff::{Measured, Quantity, Reference, Sample, Setting, Study, cells};
 use stickslip::{Compilation, Error, Model, Scene, Simulator, compile};
 
@@ -146,7 +146,6 @@ struct Course {
 /// Steps a compiled scene on its own signals; plane scenes, `axis` along the contact.
 fn course(scene: &Scene, model: &Arc<Model>, axis: usize) -> Course {
     let mut simulator = Simulator::new(Arc::clone(model));
-    let points = Points::of(scene);
     let names: Vec<String> = scene
         .loads
         .iter()
@@ -160,19 +159,16 @@ fn course(scene: &Scene, model: &Arc<Model>, axis: usize) -> Course {
         rows: Vec::new(),
         displacements: Vec::new(),
     };
-    for n in 0..=points.count {
-        set_loads(scene, &mut simulator, points.at(n)).unwrap();
-        match n {
-            0 => simulator.init(0.0).unwrap(),
-            _ => {
-                let from = simulator.time();
-                simulator.do_step(from, points.at(n) - from).unwrap();
-            }
-        }
+    let mut drive = Drive::start(scene, &mut simulator).unwrap();
+    loop {
+        let simulator = drive.simulator();
         let rates = simulator.get_by_name("contact.slip_rate").unwrap();
         course.rows.push((simulator.time(), rates));
         let values = names.iter().map(|n| simulator.get_by_name(n).unwrap());
         course.displacements.push(values.flatten().collect());
+        if drive.step().unwrap().is_none() {
+            break;
+        }
     }
     course
 }

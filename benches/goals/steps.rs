@@ -9,7 +9,7 @@ use faer::{Accum, Mat, MatMut, MatRef, Par};
 use serde_json::{Value, json};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use stickslip::simulator::course::{Points, set_loads, set_loads_of_step};
+use stickslip::simulator::drive::Drive;
 use stickslip::{Model, Scene, Simulator, linalg};
 
 /// Time for the runs of one kind.
@@ -20,7 +20,6 @@ struct Run<'a> {
     scene: &'a Scene,
     simulator: Simulator,
     start: stickslip::State,
-    points: Points,
 }
 
 /// One step of the run.
@@ -47,33 +46,23 @@ impl<'a> Run<'a> {
                 simulator.set(port.reference, factor * found)?;
             }
         }
-        set_loads(scene, &mut simulator, 0.0)?;
-        simulator.init(0.0)?;
+        Drive::start(scene, &mut simulator)?;
         let start = simulator.state().clone();
         Ok(Run {
             scene,
             simulator,
             start,
-            points: Points::of(scene),
         })
-    }
-
-    /// The time of step `n`, counted from 1, us.
-    fn step(&mut self, n: u64) -> Result<f64, stickslip::Error> {
-        let (from, to) = (self.points.at(n - 1), self.points.at(n));
-        set_loads_of_step(self.scene, &mut self.simulator, from, to)?;
-        let begin = Instant::now();
-        self.simulator.do_step(from, to - from)?;
-        Ok(1e6 * begin.elapsed().as_secs_f64())
     }
 
     /// Mean time of a step of the first run, us: the system of the step size is factorized in it.
     fn first(&mut self) -> Result<f64, stickslip::Error> {
+        let mut drive = Drive::resume(self.scene, &mut self.simulator)?;
         let mut sum = 0.0;
-        for n in 1..=self.points.count {
-            sum += self.step(n)?;
+        while let Some(time) = timed_step(&mut drive)? {
+            sum += time;
         }
-        Ok(sum / self.points.count as f64)
+        Ok(sum / drive.points().count as f64)
     }
 
     /// The steps, one by one.
@@ -81,16 +70,20 @@ impl<'a> Run<'a> {
         self.simulator.restore(&self.start)?;
         let mut before = values(&self.simulator, "contact.stick");
         let mut steps = Vec::new();
-        for n in 1..=self.points.count {
-            let factored = self.simulator.friction_work().factorizations;
-            self.step(n)?;
-            let now = values(&self.simulator, "contact.stick");
+        let mut drive = Drive::resume(self.scene, &mut self.simulator)?;
+        loop {
+            let factored = drive.simulator().friction_work().factorizations;
+            if timed_step(&mut drive)?.is_none() {
+                break;
+            }
+            let simulator = drive.simulator();
+            let now = values(simulator, "contact.stick");
             steps.push(Timed {
                 time: f64::INFINITY,
-                iterations: value(&self.simulator, "solver.iterations"),
-                factorizations: self.simulator.friction_work().factorizations - factored,
-                stick_fraction: value(&self.simulator, "contact.stick_fraction"),
-                max_slip_rate: value(&self.simulator, "contact.max_slip_rate"),
+                iterations: value(simulator, "solver.iterations"),
+                factorizations: simulator.friction_work().factorizations - factored,
+                stick_fraction: value(simulator, "contact.stick_fraction"),
+                max_slip_rate: value(simulator, "contact.max_slip_rate"),
                 is_steady: before == now,
             });
             before = now;
@@ -98,12 +91,22 @@ impl<'a> Run<'a> {
         let begin = Instant::now();
         while begin.elapsed() < PATIENCE {
             self.simulator.restore(&self.start)?;
-            for (n, step) in (1..).zip(&mut steps) {
-                step.time = step.time.min(self.step(n)?);
+            let mut drive = Drive::resume(self.scene, &mut self.simulator)?;
+            for step in &mut steps {
+                if let Some(time) = timed_step(&mut drive)? {
+                    step.time = step.time.min(time);
+                }
             }
         }
         Ok(steps)
     }
+}
+
+/// Takes a step; its time, us, or `None` at the end of the run.
+fn timed_step(drive: &mut Drive) -> Result<Option<f64>, stickslip::Error> {
+    let begin = Instant::now();
+    let is_taken = drive.step()?.is_some();
+    Ok(is_taken.then(|| 1e6 * begin.elapsed().as_secs_f64()))
 }
 
 /// Two passes over a port matrix of the size of the model's, us: with faer's product, and with ours.

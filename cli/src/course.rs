@@ -2,7 +2,7 @@
 
 use crate::failure::Failure;
 use std::time::{Duration, Instant};
-use stickslip::simulator::course::{Points, set_loads, step_to};
+use stickslip::simulator::drive::Drive;
 use stickslip::{Scene, Simulator};
 
 /// The contact and the energies at one communication point. Contact arrays go node by node, components inner.
@@ -78,17 +78,20 @@ pub fn follow(
     mut observe: impl FnMut(&Simulator, &Frame) -> Result<(), Failure>,
 ) -> Result<Effort, Failure> {
     let failed = Failure::of(source_name);
-    let points = Points::of(scene);
     let mut effort = Effort::default();
     if scene.fidelity.multiplicity_test {
         effort.multiplicity = Some(Multiplicity::default());
     }
-    set_loads(scene, simulator, points.at(0)).map_err(&failed)?;
-    simulator.init(points.at(0)).map_err(&failed)?;
-    observe(simulator, &frame(simulator).map_err(&failed)?)?;
-    for to in (1..=points.count).flat_map(|n| points.stops(n)) {
+    let mut drive = Drive::start(scene, simulator).map_err(&failed)?;
+    observe(
+        drive.simulator(),
+        &frame(drive.simulator()).map_err(&failed)?,
+    )?;
+    loop {
         let start = Instant::now();
-        step_to(scene, &points, simulator, to).map_err(&failed)?;
+        let Some(simulator) = drive.step().map_err(&failed)? else {
+            break;
+        };
         effort.stepping += start.elapsed();
         if let Some(found) = &mut effort.multiplicity {
             let (solutions, gap) = simulator.solutions();

@@ -5,7 +5,7 @@ use crate::variables::{Role, Variables};
 use std::fmt::Write;
 use std::sync::Arc;
 use stickslip::scene::Inputs;
-use stickslip::simulator::course::{Points, set_loads, set_loads_of_step};
+use stickslip::simulator::drive::Drive;
 use stickslip::{Model, Result, Scene, Simulator};
 
 /// Most communication steps of the run.
@@ -30,8 +30,6 @@ pub struct ReferenceRun {
 /// Those of the simulator.
 pub fn reference_run(scene: &Scene, model: &Arc<Model>) -> Result<ReferenceRun> {
     let variables = Variables::new(model);
-    let points = Points::of(scene);
-    let count = points.count.min(LONGEST);
     let header = |role: Role| -> String {
         let mut line = "time".to_owned();
         for variable in variables.all().iter().filter(|v| v.role == role) {
@@ -46,23 +44,17 @@ pub fn reference_run(scene: &Scene, model: &Arc<Model>) -> Result<ReferenceRun> 
     let mut simulator = Simulator::new(Arc::clone(model));
     simulator.set_inputs_meaning(parameters::inputs_meaning(&parameters::values(scene)))?;
     let mut values = vec![0.0; simulator.output_len()];
-    for n in 0..=count {
-        let time = points.at(n);
-        if n == 0 {
-            set_loads(scene, &mut simulator, time)?;
-            simulator.init(time)?;
-        } else {
-            let from = points.at(n - 1);
-            set_loads_of_step(scene, &mut simulator, from, time)?;
-            simulator.do_step(from, time - from)?;
+    let mut drive = Drive::start(scene, &mut simulator)?;
+    let step = drive.points().step;
+    let mut until = drive.simulator().time();
+    for n in 0..=LONGEST {
+        if n > 0 && drive.step_as_master()?.is_none() {
+            break;
         }
-        simulator.get_outputs(&mut values)?;
-        // the loads of the row, for the table alone: every step sets its own
-        set_loads(scene, &mut simulator, time)?;
-        let loads = variables.all().iter().filter(|v| v.role == Role::Input);
-        let row: Vec<f64> = loads
-            .map(|load| Ok(simulator.get_by_name(&load.name)?[0]))
-            .collect::<Result<_>>()?;
+        drive.simulator().get_outputs(&mut values)?;
+        let time = drive.points().at(n);
+        until = time;
+        let row = drive.loads_at(time).to_vec();
         for (text, row) in [(&mut inputs, &row), (&mut outputs, &values)] {
             let _ = write!(text, "{time:?}");
             for value in row {
@@ -74,8 +66,8 @@ pub fn reference_run(scene: &Scene, model: &Arc<Model>) -> Result<ReferenceRun> 
     Ok(ReferenceRun {
         inputs,
         outputs,
-        step: points.step,
-        until: points.at(count),
+        step,
+        until,
         is_set_at_end: simulator.inputs_meaning() == Inputs::EndOfStep,
     })
 }

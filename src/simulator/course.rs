@@ -1,12 +1,8 @@
-//! The course of a scene's own run: its communication points, and its loads there.
-//!
-//! Where a signal jumps there is a communication point too. The step that ends there ends with the load before the jump; then
-//! the load jumps, and the next step begins with the load after it.
+//! The course of a scene's own run: its communication points. Where a signal jumps there is one too.
 
 use crate::error::{Error, Result};
 use crate::message::number;
-use crate::scene::{Inputs, Load, Scene, Signal};
-use crate::simulator::Simulator;
+use crate::scene::{Scene, Signal};
 
 /// Most steps of a run, internal ones included: hours at the microseconds of a small model. Runs that would take more are
 /// refused before they begin; a run that must be longer is taken in parts.
@@ -98,80 +94,37 @@ impl Points {
         }
     }
 
-    /// The ends of the steps that lead from point `n - 1` to point `n`: the jumps on the way, then the point.
-    pub fn stops(&self, n: u64) -> impl Iterator<Item = f64> {
-        let (from, to) = (self.at(n - 1), self.at(n));
-        let between = self.jumps[self.jumps.partition_point(|j| j[1] <= from)..]
-            .iter()
-            .map(|jump| jump[1])
-            .take_while(move |time| *time < to - SAME_TIME * self.step);
-        between.chain([to])
+    /// End of the next step from `time` on the way to point `n`: a jump on the way, or else the point, and whether it is that.
+    pub(super) fn stop_after(&self, time: f64, n: u64) -> (f64, bool) {
+        let to = self.at(n);
+        let next = self.jumps.partition_point(|jump| jump[1] <= time);
+        match self.jumps.get(next) {
+            Some(jump) if jump[1] < to - SAME_TIME * self.step => (jump[1], false),
+            _ => (to, true),
+        }
+    }
+
+    /// Number of the last communication point that is not after a time.
+    pub(super) fn passed_at(&self, time: f64) -> u64 {
+        let (mut low, mut high) = (0, self.count);
+        while low < high {
+            let middle = low + (high - low).div_ceil(2);
+            if self.at(middle) <= time + SAME_TIME * self.step {
+                low = middle;
+            } else {
+                high = middle - 1;
+            }
+        }
+        low
     }
 
     /// First and last time of the jumps at a time.
-    fn jump_at(&self, time: f64) -> Option<[f64; 2]> {
+    pub(super) fn jump_at(&self, time: f64) -> Option<[f64; 2]> {
         let slack = SAME_TIME * self.step;
         let next = self.jumps.partition_point(|jump| jump[1] < time - slack);
         let jump = self.jumps.get(next)?;
         (jump[0] <= time + slack).then_some(*jump)
     }
-}
-
-/// Sets every input for the step between two communication points: to its load at the end, or at the beginning where that is
-/// what inputs mean.
-///
-/// # Errors
-/// Those of [`set_loads`].
-pub fn set_loads_of_step(
-    scene: &Scene,
-    simulator: &mut Simulator,
-    from: f64,
-    to: f64,
-) -> Result<()> {
-    let time = match simulator.inputs_meaning() {
-        Inputs::EndOfStep => to,
-        Inputs::Hold | Inputs::Continue => from,
-    };
-    set_loads(scene, simulator, time)
-}
-
-/// Sets every input to its signal from `time` on, or to its start value where the scene gives none.
-///
-/// # Errors
-/// [`crate::Error::Value`] for a signal that is not finite; not for a validated scene.
-pub fn set_loads(scene: &Scene, simulator: &mut Simulator, time: f64) -> Result<()> {
-    simulator.set_inputs(&values(scene, |signal| signal.at(time)))
-}
-
-/// Takes the step that ends at `time`, one of [`Points::stops`], on the signals of the scene, with inputs as the simulator
-/// understands them. Where a signal jumps there, the
-/// loads jump when the step has been taken; the outputs are those before the jump.
-///
-/// # Errors
-/// Those of [`Simulator::do_step`].
-pub fn step_to(scene: &Scene, points: &Points, simulator: &mut Simulator, time: f64) -> Result<()> {
-    let jump = points.jump_at(time).filter(|_| time < points.until);
-    let end = jump.map_or(time, |[first, _]| first);
-    let from = simulator.time();
-    if simulator.inputs_meaning() != Inputs::EndOfStep {
-        // the loads are those at the beginning, behind a jump there
-        set_loads(scene, simulator, from)?;
-        return simulator.do_step(from, time - from);
-    }
-    simulator.set_inputs(&values(scene, |signal| signal.before(end)))?;
-    simulator.do_step(from, time - from)?;
-    match jump {
-        Some([_, last]) => simulator.jump_inputs(&values(scene, |signal| signal.at(last))),
-        None => Ok(()),
-    }
-}
-
-fn values(scene: &Scene, value: impl Fn(&Signal) -> f64) -> Vec<f64> {
-    let of = |load: &Load| match scene.run.signals.get(&load.name) {
-        Some(signal) => value(signal),
-        None => load.start,
-    };
-    scene.loads.iter().map(of).collect()
 }
 
 #[cfg(test)]
@@ -190,7 +143,14 @@ mod tests {
     }
 
     fn all(points: &Points) -> Vec<f64> {
-        (1..=points.count).flat_map(|n| points.stops(n)).collect()
+        let (mut times, mut time, mut n) = (Vec::new(), points.at(0), 1);
+        while n <= points.count {
+            let is_point;
+            (time, is_point) = points.stop_after(time, n);
+            times.push(time);
+            n += u64::from(is_point);
+        }
+        times
     }
 
     #[test]
@@ -214,6 +174,15 @@ mod tests {
         // several jumps within a step
         let table = [[0.01, 0.0], [0.01, 1.0], [0.02, 1.0], [0.02, 0.0]];
         assert_eq!(all(&points(0.1, 0.1, &table)), [0.01, 0.02, 0.1]);
+    }
+
+    #[test]
+    fn a_time_lies_behind_the_points_that_it_has_passed() {
+        let found = points(0.1, 0.55, &[[0.0, 0.0], [0.3, 3.0], [0.3, 1.0]]);
+        for n in 0..=found.count {
+            assert_eq!(found.passed_at(found.at(n)), n);
+            assert_eq!(found.passed_at(found.at(n) + 0.04), n);
+        }
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! A simulator: one state of one model, driven by a master.
 
 pub mod course;
+pub mod drive;
 mod inputs;
 mod reading;
 mod saving;

@@ -5,7 +5,7 @@ use crate::model::Model;
 use crate::ports::Quantity as Port;
 use crate::scene::Scene;
 use crate::simulator::Simulator;
-use crate::simulator::course::{Points, set_loads, step_to};
+use crate::simulator::drive::Drive;
 use std::sync::Arc;
 
 /// What a master sees of the contact and the body at one instant.
@@ -63,26 +63,22 @@ pub struct Trajectory {
 /// # Errors
 /// Those of the simulator; [`Error::Unstable`] for results that are not finite or an explicit scheme beyond its limit.
 pub fn run(scene: &Scene, model: &Arc<Model>, stride: u64) -> Result<Trajectory> {
-    let points = Points::checked(scene)?;
     let mut simulator = Simulator::new(Arc::clone(model));
-    set_loads(scene, &mut simulator, points.at(0))?;
-    simulator.init(points.at(0))?;
-    let mut instants = vec![instant(&simulator)?];
-    let iterations = simulator
-        .model()
-        .ports()
-        .find("solver.iterations")?
-        .reference;
+    let iterations = model.ports().find("solver.iterations")?.reference;
+    let mut drive = Drive::start(scene, &mut simulator)?;
+    let mut instants = vec![instant(drive.simulator())?];
+    let (until, count) = (drive.points().until, drive.points().count);
     let mut work = Work::default();
-    for n in 1..=points.count {
-        for to in points.stops(n) {
-            step_to(scene, &points, &mut simulator, to)?;
-            let mut count = [0.0];
-            simulator.get(iterations, &mut count)?;
-            work.iterations += count[0] as u64;
-        }
-        if n % stride == 0 || n == points.count {
-            instants.push(instant(&simulator)?);
+    let mut passed = 0;
+    while let Some(simulator) = drive.step()? {
+        let mut value = [0.0];
+        simulator.get(iterations, &mut value)?;
+        work.iterations += value[0] as u64;
+        if drive.passed() > passed {
+            passed = drive.passed();
+            if passed % stride == 0 || passed == count {
+                instants.push(instant(drive.simulator())?);
+            }
         }
     }
     work.steps = simulator.internal_steps();
@@ -92,7 +88,7 @@ pub fn run(scene: &Scene, model: &Arc<Model>, stride: u64) -> Result<Trajectory>
     Ok(Trajectory {
         instants,
         work,
-        until: points.until,
+        until,
     })
 }
 

@@ -6,7 +6,7 @@ use std::cell::Cell;
 use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use stickslip::simulator::course::{Points, set_loads, step_to};
+use stickslip::simulator::drive::Drive;
 use stickslip::tradeoff::{Candidate, Reference, Setting, Study};
 use stickslip::{Compilation, Result, Simulator};
 
@@ -136,19 +136,11 @@ impl Clock {
 /// Time of the steps of a run.
 fn step_through(candidate: &Candidate) -> Result<Duration> {
     let scene = &candidate.scene;
-    let points = Points::of(scene);
     let mut simulator = Simulator::new(Arc::clone(&candidate.model));
-    set_loads(scene, &mut simulator, points.at(0))?;
-    simulator.init(points.at(0))?;
-    let mut stepping = Duration::ZERO;
-    for n in 1..=points.count {
-        let start = Instant::now();
-        for to in points.stops(n) {
-            step_to(scene, &points, &mut simulator, to)?;
-        }
-        stepping += start.elapsed();
-    }
-    Ok(stepping)
+    let mut drive = Drive::start(scene, &mut simulator)?;
+    let start = Instant::now();
+    while drive.step()?.is_some() {}
+    Ok(start.elapsed())
 }
 
 /// The least of a first measurement and a few more.

@@ -1,0 +1,164 @@
+//! The loop over a scene's own run: a simulator is started, and stepped from communication point to communication point on the
+//! signals of the scene.
+//!
+//! The step that ends where a signal jumps ends with the load before the jump; then the load jumps, and the next step begins
+//! with the load after it.
+
+use super::Simulator;
+use super::course::Points;
+use crate::error::{Error, Result};
+use crate::scene::{Inputs, Load, Scene, Signal};
+
+/// A simulator on its way through the run of a scene.
+///
+/// ```
+/// use stickslip::simulator::drive::Drive;
+/// use stickslip::{Scene, Simulator, compile};
+///
+/// let scene = Scene::from_json(stickslip::scene::example("kazmi2014").unwrap(), "kazmi2014")?;
+/// let mut simulator = Simulator::new(compile(&scene)?);
+/// let mut drive = Drive::start(&scene, &mut simulator)?;
+/// let mut fastest = 0.0_f64;
+/// while let Some(simulator) = drive.step()? {
+///     fastest = fastest.max(simulator.get_by_name("contact.max_slip_rate")?[0]);
+/// }
+/// assert!(fastest > 0.05);
+/// # Ok::<(), stickslip::Error>(())
+/// ```
+pub struct Drive<'a> {
+    scene: &'a Scene,
+    points: Points,
+    simulator: &'a mut Simulator,
+    /// Communication points passed, the start apart.
+    passed: u64,
+    values: Vec<f64>,
+}
+
+impl<'a> Drive<'a> {
+    /// Initializes the simulator, which has just been made or reset, at the first communication point.
+    ///
+    /// # Errors
+    /// [`crate::Error::Scene`] for a run of too many steps, see [`Points::checked`]; those of [`Simulator::init`].
+    pub fn start(scene: &'a Scene, simulator: &'a mut Simulator) -> Result<Drive<'a>> {
+        let points = Points::checked(scene)?;
+        let start = points.at(0);
+        let mut drive = Drive {
+            values: vec![0.0; scene.loads.len()],
+            scene,
+            points,
+            simulator,
+            passed: 0,
+        };
+        drive.set_inputs_at(start)?;
+        drive.simulator.init(start)?;
+        Ok(drive)
+    }
+
+    /// Goes on with a simulator that has been restored to a state of such a run.
+    ///
+    /// # Errors
+    /// [`crate::Error::Scene`] as for [`Drive::start`]; [`crate::Error::CallOrder`] before initialization.
+    pub fn resume(scene: &'a Scene, simulator: &'a mut Simulator) -> Result<Drive<'a>> {
+        let points = Points::checked(scene)?;
+        if simulator.state().is_initialized == 0 {
+            return Err(Error::CallOrder {
+                call: "resume",
+                expected: "init, or a restored state",
+            });
+        }
+        Ok(Drive {
+            values: vec![0.0; scene.loads.len()],
+            passed: points.passed_at(simulator.time()),
+            scene,
+            points,
+            simulator,
+        })
+    }
+
+    /// The communication points.
+    pub fn points(&self) -> &Points {
+        &self.points
+    }
+
+    /// Number of the last communication point passed; the start is number 0.
+    pub fn passed(&self) -> u64 {
+        self.passed
+    }
+
+    /// The simulator where it stands now.
+    pub fn simulator(&self) -> &Simulator {
+        self.simulator
+    }
+
+    /// Takes the next step, to a communication point or to a jump of a signal on the way there, and shows the simulator; `None`
+    /// at the end of the run. Where a signal jumps the outputs are those before the jump.
+    ///
+    /// # Errors
+    /// Those of [`Simulator::do_step`]; the simulator then stands where it stood.
+    pub fn step(&mut self) -> Result<Option<&Simulator>> {
+        if self.passed == self.points.count {
+            return Ok(None);
+        }
+        let from = self.simulator.time();
+        let (to, is_point) = self.points.stop_after(from, self.passed + 1);
+        if self.simulator.inputs_meaning() == Inputs::EndOfStep {
+            let jump = self.points.jump_at(to).filter(|_| to < self.points.until);
+            let end = jump.map_or(to, |[first, _]| first);
+            self.set_inputs(|signal| signal.before(end))?;
+            self.simulator.do_step(from, to - from)?;
+            if let Some([_, last]) = jump {
+                self.evaluate(|signal| signal.at(last));
+                self.simulator.jump_inputs(&self.values)?;
+            }
+        } else {
+            // the loads are those at the beginning, behind a jump there
+            self.set_inputs_at(from)?;
+            self.simulator.do_step(from, to - from)?;
+        }
+        self.passed += u64::from(is_point);
+        Ok(Some(self.simulator))
+    }
+
+    /// Takes one step to the next communication point as a master does that knows nothing of jumps: the inputs are set once, for
+    /// the end of the step or its beginning as the simulator understands them. `None` at the end of the run.
+    ///
+    /// # Errors
+    /// Those of [`Simulator::do_step`].
+    pub fn step_as_master(&mut self) -> Result<Option<&Simulator>> {
+        if self.passed == self.points.count {
+            return Ok(None);
+        }
+        let from = self.points.at(self.passed);
+        let to = self.points.at(self.passed + 1);
+        self.set_inputs_at(match self.simulator.inputs_meaning() {
+            Inputs::EndOfStep => to,
+            Inputs::Hold | Inputs::Continue => from,
+        })?;
+        self.simulator.do_step(from, to - from)?;
+        self.passed += 1;
+        Ok(Some(self.simulator))
+    }
+
+    /// Loads of the scene at a time, behind a jump there, in the order of the inputs.
+    pub fn loads_at(&mut self, time: f64) -> &[f64] {
+        self.evaluate(|signal| signal.at(time));
+        &self.values
+    }
+
+    fn set_inputs_at(&mut self, time: f64) -> Result<()> {
+        self.set_inputs(|signal| signal.at(time))
+    }
+
+    fn set_inputs(&mut self, value: impl Fn(&Signal) -> f64) -> Result<()> {
+        self.evaluate(value);
+        self.simulator.set_inputs(&self.values)
+    }
+
+    fn evaluate(&mut self, value: impl Fn(&Signal) -> f64) {
+        let signals = &self.scene.run.signals;
+        let of = |load: &Load| signals.get(&load.name).map_or(load.start, &value);
+        for (to, load) in self.values.iter_mut().zip(&self.scene.loads) {
+            *to = of(load);
+        }
+    }
+}
