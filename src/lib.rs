@@ -45,6 +45,7 @@ pub mod body;
 mod bytes;
 #[cfg(feature = "capi")]
 pub mod capi;
+mod compile;
 pub mod contact;
 pub mod error;
 pub mod fem;
@@ -61,9 +62,10 @@ mod state;
 pub mod time;
 pub mod tradeoff;
 
+pub use compile::{compile, compile_with};
 pub use contact::solve::newton::Work;
 pub use error::{Error, ErrorCode, Result};
-pub use model::{Compilation, Model, compile};
+pub use model::{Compilation, Model};
 pub use scene::Scene;
 pub use simulator::{Past, Simulator};
 pub use state::State;

@@ -4,7 +4,7 @@ mod common;
 
 use common::paper;
 use std::ops::ControlFlow;
-use stickslip::model::compile_with;
+use stickslip::compile_with;
 use stickslip::model::{Phase, Progress};
 use stickslip::{Error, ErrorCode, Scene, compile};
 

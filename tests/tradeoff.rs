@@ -5,7 +5,7 @@ mod common;
 use common::paper;
 use std::sync::Arc;
 use stickslip::simulator::drive::Drive;
-use stickslip::tradeoff::{Measured, Quantity, Reference, Sample, Setting, Study, cells};
+use stickslip::tradeoff::{Measured, Quantity, Reference, Sample, Setting, Study, Verdict, cells};
 use stickslip::{Compilation, Error, Model, Scene, Simulator, compile};
 
 /// A small paper's example: 8 x 4 cells, 8 steps.
@@ -235,7 +235,8 @@ fn the_setting_that_is_picked_meets_its_target() {
         assert!(errors.iter().all(|e| *e < target), "{name}: {errors:?}");
         // neither is it wastefully better: the next coarser ladder rung would miss it
         let selection = picked.model.summary().selection.as_ref().unwrap();
-        let worst = Quantity::JUDGED.map(|q| selection.verdict.of(q).map_or(0.0, |m| m.error()));
+        let worst =
+            Quantity::JUDGED.map(|q| Verdict::from(selection).of(q).map_or(0.0, |m| m.error()));
         assert!(
             worst.iter().any(|e| *e > 0.02 * target),
             "{name}: {worst:?}"
@@ -255,8 +256,7 @@ fn the_pick_is_recorded_and_the_model_carries_the_resolved_scene() {
     assert_eq!(selection.target, 0.1);
     assert!(selection.tried > 0 && !selection.changes.is_empty());
     let meets = |q: &Quantity| {
-        selection
-            .verdict
+        Verdict::from(&selection)
             .of(*q)
             .is_some_and(|m: Measured| m.error() <= 0.1)
     };

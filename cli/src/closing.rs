@@ -7,7 +7,7 @@ use stickslip::Model;
 use stickslip::message::{escaped, number};
 use stickslip::model::Summary;
 use stickslip::scene::ModelKind;
-use stickslip::tradeoff::{Quantity, Selection};
+use stickslip::tradeoff::{Quantity, Selection, Verdict};
 
 /// What is watched along the way.
 pub struct Closing {
@@ -214,7 +214,7 @@ pub fn compiled(summary: &Summary, model: &Model) -> Vec<(&'static str, String)>
 /// What was picked for a target, and what was measured of it.
 fn target(selection: &Selection) -> String {
     let error = |quantity: Quantity| {
-        let measured = selection.verdict.of(quantity)?;
+        let measured = Verdict::from(selection).of(quantity)?;
         Some(match measured.figure() {
             Some(error) => format!("{} {error:.1e}", quantity.name()),
             None => format!("{} below {:.1e}", quantity.name(), measured.bound()),

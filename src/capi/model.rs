@@ -216,7 +216,7 @@ unsafe fn compile(
         allowed: "UTF-8 text".into(),
     })?;
     let scene = Scene::from_json(text, "scene")?;
-    let compiled = new_handle(crate::model::compile_with(&scene, observer)?)?;
+    let compiled = new_handle(crate::compile_with(&scene, observer)?)?;
     // SAFETY: checked by `place`
     unsafe { give(model, compiled) };
     Ok(STICKSLIP_OK)

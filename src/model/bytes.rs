@@ -6,6 +6,7 @@
 
 use super::certificate::Certificate;
 use super::parts::Parts;
+use super::selection::Selection;
 use super::{BodyModel, Model, ReductionRecord, ensure_available};
 use crate::body::condensed::Condensed;
 use crate::body::field::Field;
@@ -15,7 +16,6 @@ use crate::bytes::{Frame, Reader, Writer};
 use crate::error::{Error, Result};
 use crate::fem::ContactPatch;
 use crate::scene::{ModelKind, Scene};
-use crate::tradeoff::Selection;
 use std::sync::Arc;
 use xxhash_rust::xxh3::xxh3_64;
 

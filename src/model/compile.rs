@@ -4,6 +4,7 @@
 use super::certificate::{certify, sharp_constant, sharp_constant_of_compliance, strain_weights};
 use super::memory::Sizes;
 use super::parts::Parts;
+use super::selection::Selection;
 use crate::body::BodyModel;
 use crate::body::condensed::Condensed;
 use crate::body::digits::Ends;
@@ -19,31 +20,11 @@ use crate::fem::Body;
 use crate::linalg::SparseCholesky;
 use crate::mesh::Mesh;
 use crate::model::Model;
-use crate::progress::{Observer, Phase, Watch};
+use crate::progress::{Phase, Watch};
 use crate::scene::{ModelKind, Scene};
 use crate::time::scheme::Tableau;
-use crate::tradeoff::{Selection, select};
 use std::ops::ControlFlow;
 use std::sync::Arc;
-
-/// Compiles a scene.
-///
-/// # Errors
-/// [`Error::Scene`] and [`Error::Body`] for a scene without a usable body or beyond `fidelity.memory_limit`;
-/// [`Error::ReductionInaccurate`] when the reduction asked for is out of reach; [`Error::LostDigits`] when 64-bit numbers lose
-/// more of the body than `fidelity.tolerance`; [`Error::Unstable`] for an explicit scheme beyond its stability limit without
-/// `time.force`; [`Error::Scene`] at `fidelity.target_error` for a target out of reach.
-pub fn compile(scene: &Scene) -> Result<Arc<Model>> {
-    Compilation::new(scene).map(|c| c.model)
-}
-
-/// Compiles a scene and tells `observer` where that stands; it may stop it.
-///
-/// # Errors
-/// Those of [`compile`]; [`Error::Cancelled`].
-pub fn compile_with(scene: &Scene, observer: &mut Observer) -> Result<Arc<Model>> {
-    Compilation::with(scene, observer).map(|c| c.model)
-}
 
 /// A compiled scene together with the body it was made from, for pictures and files.
 pub struct Compilation {
@@ -56,37 +37,25 @@ pub struct Compilation {
 }
 
 impl Compilation {
-    /// Compiles a scene on the mesh it describes, or on the one that is picked for its `fidelity.target_error`.
+    /// Compiles a scene on the mesh it describes; its setting is final.
     ///
     /// # Errors
-    /// Those of [`compile`].
-    pub fn new(scene: &Scene) -> Result<Compilation> {
-        Compilation::with(scene, &mut |_| ControlFlow::Continue(()))
-    }
-
-    /// The same, and tells `observer` where it stands.
-    ///
-    /// # Errors
-    /// Those of [`compile_with`].
-    pub fn with(scene: &Scene, observer: &mut Observer) -> Result<Compilation> {
-        let mut watch = Watch::new(observer);
-        let (scene, selection) = match scene.fidelity.target_error {
-            Some(target) => {
-                let (scene, found) = select(scene, target, &mut watch)?;
-                (scene, Some(found))
-            }
-            None => (scene.clone(), None),
-        };
+    /// Those of [`crate::compile`].
+    pub(crate) fn resolved(
+        scene: Scene,
+        selection: Option<Selection>,
+        watch: &mut Watch,
+    ) -> Result<Compilation> {
         watch.report(Phase::Assembly, 0.0)?;
         Sizes::of_scene(&scene).check(&scene)?;
         let mesh = Mesh::generate(&scene.mesh)?;
-        Compilation::of(scene, mesh, selection, &mut watch)
+        Compilation::of(scene, mesh, selection, watch)
     }
 
     /// Compiles a scene on a mesh of the caller, which has the parts the scene names.
     ///
     /// # Errors
-    /// Those of [`compile`]; [`Error::Scene`] for a scene with `fidelity.target_error`, which would change the mesh.
+    /// Those of [`crate::compile`]; [`Error::Scene`] for a scene with `fidelity.target_error`, which would change the mesh.
     pub fn on_mesh(scene: &Scene, mesh: Mesh) -> Result<Compilation> {
         if let Some(target) = scene.fidelity.target_error {
             return Err(Error::Scene {
@@ -136,7 +105,7 @@ impl Compilation {
     /// solver, history, run), and shares the body with it.
     ///
     /// # Errors
-    /// Those of [`compile`].
+    /// Those of [`crate::compile`].
     pub(crate) fn again(&self, scene: &Scene) -> Result<Arc<Model>> {
         refuse_unstable(scene, &self.body)?;
         finish(scene, &self.body, &self.cholesky, &self.kept, None).map(Arc::new)

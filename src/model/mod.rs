@@ -5,12 +5,14 @@ pub mod certificate;
 mod compile;
 mod memory;
 mod parts;
+mod selection;
 
 pub use crate::body::BodyModel;
 pub use crate::body::reduction::ReductionRecord;
 pub use crate::progress::{Observer, Phase, Progress};
-pub use compile::{Compilation, compile, compile_with};
+pub use compile::Compilation;
 pub(crate) use memory::ensure_available;
+pub use selection::Selection;
 
 use crate::contact::Law;
 use crate::contact::solve::fixed_point::FixedPoint;
@@ -19,7 +21,6 @@ use crate::ports::Ports;
 use crate::scene::{Interpolation, ModelKind, Scene, Start};
 use crate::time::control;
 use crate::time::scheme::Tableau;
-use crate::tradeoff::Selection;
 use certificate::Certificate;
 use std::sync::Arc;
 

@@ -2,6 +2,7 @@
 //! whether they were compiled a moment ago or read from bytes.
 
 use super::certificate::Certificate;
+use super::selection::Selection;
 use super::{BodyModel, LoadInput, Model, ReductionRecord, SolverSettings, Summary};
 use crate::contact::Law;
 use crate::contact::solve::fixed_point::FixedPoint;
@@ -11,7 +12,6 @@ use crate::ports::{Ports, Shapes};
 use crate::scene::{ElementKind, FrictionSolver, LoadKind, ModelKind, Run, Scene};
 use crate::state::State;
 use crate::time::scheme::Tableau;
-use crate::tradeoff::Selection;
 use std::sync::Arc;
 
 /// The compiled numbers of a scene.

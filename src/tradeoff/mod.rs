@@ -20,11 +20,11 @@ mod study;
 mod surface;
 mod trajectory;
 
+pub use crate::model::Selection;
 pub use errors::{Errors, Quantity};
 pub use family::{ELEMENTS, Family, GRADINGS, cells, grading};
 pub use reference::{Level, MARGIN, Measured, Reference, Refinement, Verdict};
-pub use selection::Selection;
-pub(crate) use selection::select;
+pub(crate) use selection::resolve;
 pub use setting::Setting;
 pub use study::{Candidate, Sample, Study, loosest_reduction};
 pub use trajectory::{Instant, Trajectory, Work};

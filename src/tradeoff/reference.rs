@@ -22,6 +22,7 @@ use super::setting::Setting;
 use super::study::{Candidate, Sample, Study};
 use super::trajectory::Work;
 use crate::error::{Error, Result};
+use crate::model::Selection;
 use crate::scene::{ModelKind, Scene};
 use crate::simulator::course::Points;
 
@@ -111,6 +112,20 @@ impl Measured {
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Verdict([Option<Measured>; 4]);
 
+impl From<&Selection> for Verdict {
+    /// How well the setting does that was picked for a model.
+    fn from(selection: &Selection) -> Verdict {
+        let mut pairs = selection.errors.chunks_exact(2);
+        Verdict(std::array::from_fn(|_| {
+            let (error, uncertainty) = match pairs.next() {
+                Some(&[error, uncertainty]) => (error, uncertainty),
+                _ => return None,
+            };
+            (!error.is_nan()).then_some(Measured { error, uncertainty })
+        }))
+    }
+}
+
 impl Verdict {
     pub fn of(&self, quantity: Quantity) -> Option<Measured> {
         self.0[quantity as usize]
@@ -120,18 +135,6 @@ impl Verdict {
     pub(crate) fn to_numbers(self) -> Vec<f64> {
         let pair = |m: Option<Measured>| m.map_or([f64::NAN; 2], |m| [m.error, m.uncertainty]);
         self.0.into_iter().flat_map(pair).collect()
-    }
-
-    /// What [`Verdict::to_numbers`] gave; `None` for another count.
-    pub(crate) fn from_numbers(numbers: &[f64]) -> Option<Verdict> {
-        let measured = |pair: &[f64]| {
-            (!pair[0].is_nan()).then(|| Measured {
-                error: pair[0],
-                uncertainty: pair[1],
-            })
-        };
-        let all: Vec<_> = numbers.chunks_exact(2).map(measured).collect();
-        all.try_into().ok().map(Verdict)
     }
 
     /// Whether any of these is smaller than in the setting before by more than a fifth: what a shorter step does as long as

@@ -11,8 +11,8 @@ use super::family::{Family, cells};
 use super::reference::{MARGIN, Reference, Refinement, Verdict};
 use super::setting::Setting;
 use super::study::{Study, loosest_reduction};
-use crate::bytes::{Reader, Writer};
 use crate::error::{Error, Result};
+use crate::model::Selection;
 use crate::progress::{Phase, Watch};
 use crate::scene::Scene;
 
@@ -29,57 +29,6 @@ const COARSEST: f64 = 0.125;
 /// Share of the target that the reduction may use.
 const SHARE_OF_REDUCTION: f64 = 0.01;
 
-/// What was picked for a target, and how well it meets it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Selection {
-    /// Relative error asked for.
-    pub target: f64,
-    /// Errors of the setting that was picked.
-    pub verdict: Verdict,
-    /// Paths and values of the scene that it replaces.
-    pub changes: Vec<(String, String)>,
-    /// Settings measured.
-    pub tried: usize,
-}
-
-impl Selection {
-    /// Writes what [`Selection::read`] reads.
-    pub(crate) fn write(selection: Option<&Selection>, out: &mut Writer) {
-        out.word(u64::from(selection.is_some()));
-        let Some(selection) = selection else { return };
-        out.float(selection.target);
-        out.floats(&selection.verdict.to_numbers());
-        out.word(selection.tried as u64);
-        out.word(selection.changes.len() as u64);
-        for (path, value) in &selection.changes {
-            out.text(path);
-            out.text(value);
-        }
-    }
-
-    /// # Errors
-    /// [`Error::Bytes`].
-    pub(crate) fn read(from: &mut Reader) -> Result<Option<Selection>> {
-        match from.word()? {
-            0 => return Ok(None),
-            1 => {}
-            other => return Err(Reader::refusal(format!("selection of kind {other}"))),
-        }
-        let target = from.float()?;
-        let verdict = Verdict::from_numbers(&from.floats()?)
-            .ok_or_else(|| Reader::refusal("the errors of the setting that was picked"))?;
-        let tried = from.size()?;
-        let count = from.word()?;
-        let mut change = || Ok((from.text()?.to_owned(), from.text()?.to_owned()));
-        Ok(Some(Selection {
-            target,
-            verdict,
-            changes: (0..count).map(|_| change()).collect::<Result<_>>()?,
-            tried,
-        }))
-    }
-}
-
 /// A setting that meets the target.
 struct Match {
     setting: Setting,
@@ -87,11 +36,23 @@ struct Match {
     multiplications: f64,
 }
 
+/// The scene with the setting that is picked for its `fidelity.target_error`, and the record of how it was found; without a
+/// target the scene as it is.
+///
+/// # Errors
+/// [`Error::Scene`] at `fidelity.target_error` when it is out of reach; those of compilation and run.
+pub(crate) fn resolve(scene: &Scene, watch: &mut Watch) -> Result<(Scene, Option<Selection>)> {
+    match scene.fidelity.target_error {
+        Some(target) => select(scene, target, watch).map(|(scene, found)| (scene, Some(found))),
+        None => Ok((scene.clone(), None)),
+    }
+}
+
 /// The scene with the setting that meets `target`, and the record of how it was found.
 ///
 /// # Errors
 /// [`Error::Scene`] at `fidelity.target_error` when it is out of reach; those of compilation and run.
-pub(crate) fn select(scene: &Scene, target: f64, watch: &mut Watch) -> Result<(Scene, Selection)> {
+fn select(scene: &Scene, target: f64, watch: &mut Watch) -> Result<(Scene, Selection)> {
     let mut study = Study::new(scene);
     let scene = study.scene().clone();
     let families = Family::all(&scene);
@@ -112,7 +73,7 @@ pub(crate) fn select(scene: &Scene, target: f64, watch: &mut Watch) -> Result<(S
     };
     let selection = Selection {
         target,
-        verdict: best.verdict,
+        errors: best.verdict.to_numbers(),
         changes: best.setting.clone().needed(&scene).changes().to_vec(),
         tried,
     };

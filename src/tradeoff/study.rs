@@ -6,9 +6,11 @@ use super::surface::Surface;
 use super::trajectory::{Trajectory, run};
 use crate::error::{Error, Result};
 use crate::model::{Compilation, Model};
+use crate::progress::Watch;
 use crate::scene::{Fidelity, History, Interpolation, Run, Scene, Scheme, Signal, Start, Time};
 use crate::simulator::course::Points;
 use std::collections::BTreeMap;
+use std::ops::ControlFlow;
 use std::sync::{Arc, Weak};
 
 /// Exponent of the tightest tolerance of the reduction that is tried.
@@ -101,7 +103,9 @@ impl Study {
                 (body, model)
             }
             None => {
-                let compilation = Compilation::new(&scene)?;
+                let silent = &mut |_| ControlFlow::Continue(());
+                let compilation =
+                    Compilation::resolved(scene.clone(), None, &mut Watch::new(silent))?;
                 let surface = Arc::new(Surface::of(&scene, &compilation.body)?);
                 let model = Arc::clone(&compilation.model);
                 let body = Arc::new(Body {

@@ -1,0 +1,48 @@
+//! Compilation: the setting of a scene is resolved, then its model is made.
+
+use crate::error::Result;
+use crate::model::{Compilation, Model, Observer};
+use crate::progress::Watch;
+use crate::scene::Scene;
+use crate::tradeoff::resolve;
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+/// Compiles a scene.
+///
+/// # Errors
+/// [`Error::Scene`] and [`Error::Body`] for a scene without a usable body or beyond `fidelity.memory_limit`;
+/// [`Error::ReductionInaccurate`] when the reduction asked for is out of reach; [`Error::LostDigits`] when 64-bit numbers lose
+/// more of the body than `fidelity.tolerance`; [`Error::Unstable`] for an explicit scheme beyond its stability limit without
+/// `time.force`; [`Error::Scene`] at `fidelity.target_error` for a target out of reach.
+pub fn compile(scene: &Scene) -> Result<Arc<Model>> {
+    Compilation::new(scene).map(|c| c.model)
+}
+
+/// Compiles a scene and tells `observer` where that stands; it may stop it.
+///
+/// # Errors
+/// Those of [`compile`]; [`Error::Cancelled`].
+pub fn compile_with(scene: &Scene, observer: &mut Observer) -> Result<Arc<Model>> {
+    Compilation::with(scene, observer).map(|c| c.model)
+}
+
+impl Compilation {
+    /// Compiles a scene on the mesh it describes, or on the one that is picked for its `fidelity.target_error`.
+    ///
+    /// # Errors
+    /// Those of [`compile`].
+    pub fn new(scene: &Scene) -> Result<Compilation> {
+        Compilation::with(scene, &mut |_| ControlFlow::Continue(()))
+    }
+
+    /// The same, and tells `observer` where it stands.
+    ///
+    /// # Errors
+    /// Those of [`compile_with`].
+    pub fn with(scene: &Scene, observer: &mut Observer) -> Result<Compilation> {
+        let mut watch = Watch::new(observer);
+        let (scene, selection) = resolve(scene, &mut watch)?;
+        Compilation::resolved(scene, selection, &mut watch)
+    }
+}
