@@ -2,7 +2,6 @@
 
 use crate::fault::{Fault, Outcome};
 use crate::parameters;
-use crate::registry;
 use crate::variables::Variables;
 use std::path::Path;
 use std::sync::Arc;
@@ -13,6 +12,9 @@ use xxhash_rust::xxh3::{xxh3_64, xxh3_128};
 pub const SCENE_FILE: &str = "scene.json";
 /// Name of the compiled model in the resources of an FMU.
 pub const MODEL_FILE: &str = "model.bin";
+
+/// Gives the component of a key, made by the function when no instance of the process has it.
+pub type Share = fn(u64, &mut dyn FnMut() -> Outcome<Component>) -> Outcome<Arc<Component>>;
 
 /// A compiled scene, immutable and shared.
 pub struct Component {
@@ -39,8 +41,8 @@ impl Component {
         }
     }
 
-    /// From the resources of an FMU; instances of one process share it.
-    pub fn load(resources: &Path, token_expected: &str) -> Outcome<Arc<Component>> {
+    /// From the resources of an FMU.
+    pub fn load(resources: &Path, token_expected: &str, share: Share) -> Outcome<Arc<Component>> {
         let read = |name: &str| {
             let path = resources.join(name);
             std::fs::read(&path).map_err(|e| Fault::error(format!("{}: {e}", path.display())))
@@ -55,14 +57,14 @@ impl Component {
             )));
         }
         let bytes = read(MODEL_FILE)?;
-        registry::shared(xxh3_64(&bytes), || {
+        share(xxh3_64(&bytes), &mut || {
             let model = Arc::new(Model::from_bytes(&bytes)?);
-            Ok(Component::new(text, model))
+            Ok(Component::new(text.clone(), model))
         })
     }
 
-    /// The same FMU with other values of the fixed parameters; instances of one process share it.
-    pub fn with_parameters(&self, values: &[f64]) -> Outcome<Arc<Component>> {
+    /// The same FMU with other values of the fixed parameters.
+    pub fn with_parameters(&self, values: &[f64], share: Share) -> Outcome<Arc<Component>> {
         let mut changes = parameters::overrides(&self.origin, values);
         // the variables of an FMU do not change: an output that follows from a parameter stays as it was packed
         let has_estimate = self.model.scene().time.estimates_error();
@@ -72,7 +74,7 @@ impl Component {
             key.push_str(path);
             key.push_str(value);
         }
-        registry::shared(xxh3_64(key.as_bytes()), || {
+        share(xxh3_64(key.as_bytes()), &mut || {
             let scene = Scene::with_overrides(&self.scene_text, SCENE_FILE, &changes)?;
             let model = compile(&scene)?;
             Ok(Component {

@@ -58,7 +58,7 @@ pub fn create(
             return Err(Fault::error("the instance name is blank"));
         }
         let token = text(token, "the token of the FMU")?;
-        let component = Component::load(&resources()?, &token.to_string_lossy())?;
+        let component = Component::load(&resources()?, &token.to_string_lossy(), registry::shared)?;
         let Some(log) = log.take() else {
             return Err(Fault::error("made twice"));
         };

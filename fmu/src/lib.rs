@@ -19,6 +19,7 @@ mod lifecycle;
 mod log;
 mod package;
 mod parameters;
+mod phase;
 mod reference_run;
 mod registry;
 mod saved;

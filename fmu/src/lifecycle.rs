@@ -12,37 +12,12 @@ use crate::component::Component;
 use crate::fault::{Fault, Outcome};
 use crate::log::{Category, Log};
 use crate::parameters;
+use crate::phase::Phase;
+use crate::registry;
 use crate::saved::Saved;
 use crate::variables::Role;
 use std::sync::Arc;
 use stickslip::Simulator;
-
-/// Phase of an instance.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Phase {
-    Instantiated = 0,
-    Initialization = 1,
-    Stepping = 2,
-    Terminated = 3,
-}
-
-impl Phase {
-    pub fn from_number(number: u64) -> Option<Phase> {
-        use Phase::*;
-        [Instantiated, Initialization, Stepping, Terminated]
-            .into_iter()
-            .find(|p| *p as u64 == number)
-    }
-
-    fn name(self) -> &'static str {
-        match self {
-            Phase::Instantiated => "before initialization",
-            Phase::Initialization => "in initialization mode",
-            Phase::Stepping => "in step mode",
-            Phase::Terminated => "after termination",
-        }
-    }
-}
 
 /// Calls whose permission depends on the phase.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -247,7 +222,7 @@ impl Instance {
         if !parameters::is_other_model(parameters, &self.packed.parameters) {
             Ok(Arc::clone(&self.packed))
         } else {
-            self.packed.with_parameters(parameters)
+            self.packed.with_parameters(parameters, registry::shared)
         }
     }
 

@@ -70,7 +70,7 @@ pub fn sweep() {
 }
 
 /// The component of this key, made when no instance of the process has it. Two threads may both make it; then one wins.
-pub fn shared(key: u64, make: impl FnOnce() -> Outcome<Component>) -> Outcome<Arc<Component>> {
+pub fn shared(key: u64, make: &mut dyn FnMut() -> Outcome<Component>) -> Outcome<Arc<Component>> {
     let find = |registry: &Registry| {
         let entry = registry.components.iter().find(|(k, _)| *k == key);
         entry.and_then(|(_, component)| component.upgrade())

@@ -6,8 +6,8 @@
 
 use crate::component::Component;
 use crate::fault::{Fault, Outcome};
-use crate::lifecycle::Phase;
 use crate::parameters::PARAMETERS;
+use crate::phase::Phase;
 use std::sync::Arc;
 use stickslip::{Simulator, State};
 use xxhash_rust::xxh3::xxh3_64;

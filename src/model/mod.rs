@@ -6,6 +6,7 @@ mod compile;
 mod memory;
 mod parts;
 mod selection;
+mod settings;
 
 pub use crate::body::BodyModel;
 pub use crate::body::reduction::ReductionRecord;
@@ -19,7 +20,6 @@ use crate::contact::solve::fixed_point::FixedPoint;
 use crate::fem::ContactPatch;
 use crate::ports::Ports;
 use crate::scene::{Interpolation, ModelKind, Scene, Start};
-use crate::time::control;
 use crate::time::scheme::Tableau;
 use certificate::Certificate;
 use std::sync::Arc;
@@ -167,8 +167,9 @@ impl Model {
     pub fn simulator_bytes(&self) -> usize {
         let contact = self.contact.len();
         let square = contact.saturating_mul(contact);
-        let stages =
-            control::sizes_kept(self).saturating_mul(square.saturating_add(self.body.factor_len()));
+        let stages = self
+            .sizes_kept()
+            .saturating_mul(square.saturating_add(self.body.factor_len()));
         let vectors = self.states().saturating_mul(20);
         let numbers = square
             .saturating_mul(6)

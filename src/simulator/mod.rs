@@ -15,8 +15,8 @@ use crate::ports::Quantity;
 use crate::state::State;
 use crate::time::companion::{Alone, Companion};
 use crate::time::control;
-use crate::time::estimate;
 use crate::time::record::record;
+use crate::time::second;
 use crate::time::sizes::MOST_INTERNAL_STEPS;
 use crate::time::step;
 use crate::time::workspace::Workspace;
@@ -105,7 +105,7 @@ impl Simulator {
             state.loads.copy_from_slice(&state.inputs);
             state.needs_settling = 0;
             step::settle(model, state, ws)?;
-            estimate::start(model, state);
+            second::start(model, state);
             control::start(model, state);
             state.is_initialized = 1;
             record(model, state);

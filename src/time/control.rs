@@ -37,7 +37,6 @@ use super::workspace::{Velocity, Workspace};
 use crate::error::{Error, Result};
 use crate::linalg::dot;
 use crate::model::Model;
-use crate::scene::Start;
 use crate::state::{State, control};
 
 /// Share of the memory of the body (1 / fastest relaxation rate) that may be spent on one change between stick and slip.
@@ -83,13 +82,6 @@ impl ControlWorkspace {
     }
 }
 
-/// Step sizes whose factorizations are kept: the start, the communication step, its last remainder, and a trial size; that of
-/// the second solution; and those that a control goes through between a kink and smooth motion.
-pub(crate) fn sizes_kept(model: &Model) -> usize {
-    let halves = if model.tolerance().is_some() { 5 } else { 0 };
-    4 + usize::from(model.has_error_estimate()) + halves
-}
-
 /// The simulation starts: the first pair tried is the largest.
 pub(crate) fn start(model: &Model, state: &mut State) {
     state.control[control::PROPOSED] = 2.0 * model.largest_step();
@@ -98,7 +90,7 @@ pub(crate) fn start(model: &Model, state: &mut State) {
 
 /// Takes note of the slip rate, for the figures that are relative to the largest one.
 pub(crate) fn watch(model: &Model, state: &mut State) {
-    let norm = contact_norm(model, |i| state.main.instant.slip_rate[i]);
+    let norm = model.contact_norm(|i| state.main.instant.slip_rate[i]);
     let largest = &mut state.control[control::LARGEST_SLIP_RATE];
     *largest = largest.max(norm);
 }
@@ -249,7 +241,7 @@ fn error_of(
     let body_scale = *largest;
     // |w_c| <= |w| / sqrt(smallest eigenvalue of the condensed viscosity)
     let possible = body_scale / model.certificate().sharp_instant.sqrt();
-    let slip_rate = contact_norm(model, |i| state.main.instant.slip_rate[i]);
+    let slip_rate = model.contact_norm(|i| state.main.instant.slip_rate[i]);
     let largest = &mut state.control[control::CONTACT_SCALE];
     *largest = largest.max(slip_rate);
     let contact_scale = largest.max(CONTACT_FLOOR * possible);
@@ -270,7 +262,7 @@ fn error_of(
         _ => error / (scale * (part.size() + burst)),
     };
     share(viscous_norm(model, body), body_scale)
-        .max(share(contact_norm(model, |i| contact[i]), contact_scale))
+        .max(share(model.contact_norm(|i| contact[i]), contact_scale))
 }
 
 /// `d = u_2 - u_0 - k/3 (w_0 + 4 w_1 + w_2)`.
@@ -294,34 +286,4 @@ fn has_changed(before: &[f64], after: &[f64], components: usize) -> bool {
 /// `(x.A x)^1/2`.
 fn viscous_norm(model: &Model, x: &[f64]) -> f64 {
     model.body().products(x).0.max(0.0).sqrt()
-}
-
-/// Discrete L2 norm over the contact, weights omega, of the components `x(i)`.
-pub(crate) fn contact_norm(model: &Model, x: impl Fn(usize) -> f64) -> f64 {
-    let contact = model.contact();
-    let square = |i: usize| contact.weights[i / contact.components] * x(i) * x(i);
-    (0..contact.len()).map(square).sum::<f64>().sqrt()
-}
-
-impl Model {
-    /// Error in time aimed at; `None` for equal steps.
-    pub(crate) fn tolerance(&self) -> Option<f64> {
-        self.scene().time.tolerance
-    }
-
-    /// Whether the error in time is estimated.
-    pub(crate) fn has_error_estimate(&self) -> bool {
-        self.scene().time.estimates_error()
-    }
-
-    /// Order in time that the error of equal steps falls with: the scheme's, or 1 when it starts from an inconsistent
-    /// velocity.
-    pub(crate) fn order(&self) -> u32 {
-        let tableau = self.tableau();
-        if self.start() == Start::Zero && tableau.uses_start_velocity() {
-            1
-        } else {
-            tableau.order()
-        }
-    }
 }

@@ -11,6 +11,7 @@ pub(crate) mod finite;
 pub(crate) mod input_course;
 pub(crate) mod record;
 pub mod scheme;
+pub(crate) mod second;
 pub(crate) mod sizes;
 pub(crate) mod stage;
 pub(crate) mod step;

@@ -20,9 +20,9 @@
 
 use super::companion::{Companion, StagePlace};
 use super::control::{self, Verdict};
-use super::estimate;
 use super::input_course;
 use super::record::{add_energies, explicit_part, integrate, record};
+use super::second;
 use super::sizes::{Part, Parts};
 use super::stage::solve_stage;
 use super::workspace::Workspace;
@@ -54,7 +54,7 @@ pub(crate) fn advance(
         let taken = take(model, state, ws, &part, start, h, companion);
         let mut verdict = control::judge(model, state, ws, &part, taken)?;
         if verdict == Verdict::Accepted {
-            let followed = estimate::follow(model, state, ws, &part);
+            let followed = second::follow(model, state, ws, &part);
             verdict = control::judge_second(model, state, ws, &part, followed)?;
         }
         match verdict {
@@ -115,7 +115,7 @@ fn apply_jumps(model: &Model, state: &mut State, ws: &mut Workspace, h: f64) -> 
     state.needs_settling = 0;
     if !is_settled && (model.tableau().uses_start_velocity() || model.tolerance().is_some()) {
         settle(model, state, ws)?;
-        estimate::follow_jump(model, state, ws)?;
+        second::follow_jump(model, state, ws)?;
     }
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! Scratch of one simulator: rebuilt at will, never saved, never changes a result.
 
-use super::control::{self, ControlWorkspace};
+use super::control::ControlWorkspace;
 use super::finite::FiniteCheck;
 use super::scheme::{MAX_STAGES, Tableau};
 use crate::body::{Scratch, StageCache};
@@ -160,7 +160,7 @@ impl Workspace {
         let (nodes, len) = (contact.node_count(), contact.len());
         let loads = vec![0.0; model.interpolations().len()];
         Workspace {
-            stages: StageCache::new(model.body(), control::sizes_kept(model)),
+            stages: StageCache::new(model.body(), model.sizes_kept()),
             scratch: model.body().scratch(),
             newton: newton::Workspace::new(nodes, len),
             fixed_point: FixedPointWorkspace::new(nodes, len),
