@@ -18,6 +18,7 @@ use crate::time::control;
 use crate::time::record::record;
 use crate::time::second;
 use crate::time::sizes::MOST_INTERNAL_STEPS;
+use crate::time::stage::settle;
 use crate::time::step;
 use crate::time::workspace::Workspace;
 use std::sync::Arc;
@@ -104,7 +105,7 @@ impl Simulator {
             state.time = time;
             state.loads.copy_from_slice(&state.inputs);
             state.needs_settling = 0;
-            step::settle(model, state, ws)?;
+            settle(model, state, ws)?;
             second::start(model, state);
             control::start(model, state);
             state.is_initialized = 1;

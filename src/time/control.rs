@@ -33,7 +33,7 @@
 //! A pair whose friction does not converge counts as one with too large an error.
 
 use super::sizes::Part;
-use super::workspace::{Velocity, Workspace};
+use super::workspace::{ControlWorkspace, Velocity, Workspace};
 use crate::error::{Error, Result};
 use crate::linalg::dot;
 use crate::model::Model;
@@ -57,29 +57,6 @@ const SMALLEST: f64 = 1.0 / (1 << 30) as f64;
 pub(crate) enum Verdict {
     Accepted,
     Refused,
-}
-
-/// Scratch of the control.
-pub(crate) struct ControlWorkspace {
-    /// The state before the pair.
-    kept: State,
-    /// Error of the displacement of the body.
-    body: Vec<f64>,
-    /// Error of the slip.
-    contact: Vec<f64>,
-    /// Pairs refused so far.
-    pub refused: u64,
-}
-
-impl ControlWorkspace {
-    pub fn new(model: &Model) -> ControlWorkspace {
-        ControlWorkspace {
-            kept: State::without_history(model),
-            body: vec![0.0; model.states()],
-            contact: vec![0.0; model.contact().len()],
-            refused: 0,
-        }
-    }
 }
 
 /// The simulation starts: the first pair tried is the largest.

@@ -1,16 +1,74 @@
-//! One implicit stage: predict the free motion, solve friction on the contact, correct the body.
+//! Implicit stages: those of an internal step one after the other, and the one with step size 0 that makes a start consistent.
+//! Each predicts the free motion, solves friction on the contact and corrects the body.
 
+use super::companion::{Companion, StagePlace};
+use super::record::explicit_part;
 use super::workspace::Workspace;
 use crate::contact::solve::newton::linearisation::Linearisation;
 use crate::contact::solve::{fixed_point, multiplicity, newton};
 use crate::contact::{ContactProblem, Law, problem::norm};
 use crate::error::{Error, Result};
 use crate::model::{Model, SolverSettings};
+use crate::scene::Start;
 use crate::state::{State, report};
+
+/// Makes velocity and contact forces consistent with the loads of this instant: the inequality at fixed displacement.
+///
+/// # Errors
+/// [`crate::Error::NotConverged`].
+pub(crate) fn settle(model: &Model, state: &mut State, ws: &mut Workspace) -> Result<()> {
+    if model.start() == Start::Zero {
+        return Ok(());
+    }
+    ws.explicit
+        .displacement
+        .copy_from_slice(&state.main.displacement);
+    ws.explicit
+        .accumulated_slip
+        .copy_from_slice(&state.main.accumulated_slip);
+    ws.load.copy_from_slice(&state.loads);
+    ws.velocities[0].load_from(state);
+    solve_stage(model, state, ws, 0.0, 0)?;
+    ws.velocities[0].store_into(state);
+    Ok(())
+}
+
+/// The stages of an internal step, into `ws.velocities` after the velocity at its start.
+///
+/// # Errors
+/// [`crate::Error::NotConverged`].
+pub(crate) fn solve_stages(
+    model: &Model,
+    state: &mut State,
+    ws: &mut Workspace,
+    k: f64,
+    at: impl Fn(f64) -> f64,
+    companion: &mut impl Companion,
+) -> Result<()> {
+    ws.velocities[0].load_from(state);
+    ws.course.at(at(0.0), &mut ws.load);
+    ws.velocities[0].load.copy_from_slice(&ws.load);
+    companion.begin(at(0.0));
+    for (i, stage) in model.tableau().stages().iter().enumerate() {
+        let (index, fraction) = (i + 1, at(stage.instant));
+        explicit_part(state, &ws.velocities[..index], stage, k, &mut ws.explicit);
+        ws.course.at(fraction, &mut ws.load);
+        ws.velocities[index].copy_warm_start(state);
+        solve_stage(model, state, ws, stage.theta * k, index)?;
+        ws.velocities[index].store_contact(state);
+        let place = StagePlace {
+            stage,
+            index,
+            fraction,
+        };
+        companion.stage(model, state, ws, k, place)?;
+    }
+    Ok(())
+}
 
 /// Solves one stage with implicit weight `theta_k` for the explicit part and loads in `ws`, into `ws.velocities[index]`,
 /// whose contact velocity is the warm start.
-pub(crate) fn solve_stage(
+fn solve_stage(
     model: &Model,
     state: &mut State,
     ws: &mut Workspace,

@@ -18,17 +18,16 @@
 //!
 //! The step works on a trial state; the caller keeps the old one until the last internal step has succeeded.
 
-use super::companion::{Companion, StagePlace};
+use super::companion::Companion;
 use super::control::{self, Verdict};
 use super::input_course;
-use super::record::{add_energies, explicit_part, integrate, record};
+use super::record::{add_energies, integrate, record};
 use super::second;
 use super::sizes::{Part, Parts};
-use super::stage::solve_stage;
+use super::stage::{settle, solve_stages};
 use super::workspace::Workspace;
 use crate::error::Result;
 use crate::model::Model;
-use crate::scene::Start;
 use crate::state::State;
 
 /// Advances `state` by one communication step of `h`; what its inputs mean is part of it.
@@ -86,27 +85,6 @@ fn take(
     Ok(())
 }
 
-/// Makes velocity and contact forces consistent with the loads of this instant: the inequality at fixed displacement.
-///
-/// # Errors
-/// [`crate::Error::NotConverged`].
-pub(crate) fn settle(model: &Model, state: &mut State, ws: &mut Workspace) -> Result<()> {
-    if model.start() == Start::Zero {
-        return Ok(());
-    }
-    ws.explicit
-        .displacement
-        .copy_from_slice(&state.main.displacement);
-    ws.explicit
-        .accumulated_slip
-        .copy_from_slice(&state.main.accumulated_slip);
-    ws.load.copy_from_slice(&state.loads);
-    ws.velocities[0].load_from(state);
-    solve_stage(model, state, ws, 0.0, 0)?;
-    ws.velocities[0].store_into(state);
-    Ok(())
-}
-
 /// Loads may jump at the beginning of the step, coefficients may have changed since the last one: the velocity follows.
 fn apply_jumps(model: &Model, state: &mut State, ws: &mut Workspace, h: f64) -> Result<()> {
     let has_jump = input_course::begin(model, state, h, &mut ws.course)?;
@@ -137,38 +115,5 @@ fn internal_step(
     add_energies(model, state, ws, k);
     companion.end(model, state, ws, k);
     state.steps += 1;
-    Ok(())
-}
-
-/// The stages of an internal step, into `ws.velocities` after the velocity at its start.
-///
-/// # Errors
-/// [`crate::Error::NotConverged`].
-pub(crate) fn solve_stages(
-    model: &Model,
-    state: &mut State,
-    ws: &mut Workspace,
-    k: f64,
-    at: impl Fn(f64) -> f64,
-    companion: &mut impl Companion,
-) -> Result<()> {
-    ws.velocities[0].load_from(state);
-    ws.course.at(at(0.0), &mut ws.load);
-    ws.velocities[0].load.copy_from_slice(&ws.load);
-    companion.begin(at(0.0));
-    for (i, stage) in model.tableau().stages().iter().enumerate() {
-        let (index, fraction) = (i + 1, at(stage.instant));
-        explicit_part(state, &ws.velocities[..index], stage, k, &mut ws.explicit);
-        ws.course.at(fraction, &mut ws.load);
-        ws.velocities[index].copy_warm_start(state);
-        solve_stage(model, state, ws, stage.theta * k, index)?;
-        ws.velocities[index].store_contact(state);
-        let place = StagePlace {
-            stage,
-            index,
-            fraction,
-        };
-        companion.stage(model, state, ws, k, place)?;
-    }
     Ok(())
 }

@@ -1,6 +1,5 @@
 //! Scratch of one simulator: rebuilt at will, never saved, never changes a result.
 
-use super::control::ControlWorkspace;
 use super::finite::FiniteCheck;
 use super::scheme::{MAX_STAGES, Tableau};
 use crate::body::{Scratch, StageCache};
@@ -128,6 +127,29 @@ impl Explicit {
         Explicit {
             displacement: vec![0.0; model.states()],
             accumulated_slip: vec![0.0; model.contact().node_count()],
+        }
+    }
+}
+
+/// Scratch of the control.
+pub(crate) struct ControlWorkspace {
+    /// The state before the pair.
+    pub kept: State,
+    /// Error of the displacement of the body.
+    pub body: Vec<f64>,
+    /// Error of the slip.
+    pub contact: Vec<f64>,
+    /// Pairs refused so far.
+    pub refused: u64,
+}
+
+impl ControlWorkspace {
+    pub fn new(model: &Model) -> ControlWorkspace {
+        ControlWorkspace {
+            kept: State::without_history(model),
+            body: vec![0.0; model.states()],
+            contact: vec![0.0; model.contact().len()],
+            refused: 0,
         }
     }
 }

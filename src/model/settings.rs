@@ -1,0 +1,41 @@
+//! What a model says of the time settings of its scene.
+
+use super::Model;
+use crate::scene::Start;
+
+impl Model {
+    /// Error in time aimed at; `None` for equal steps.
+    pub(crate) fn tolerance(&self) -> Option<f64> {
+        self.scene().time.tolerance
+    }
+
+    /// Whether the error in time is estimated.
+    pub(crate) fn has_error_estimate(&self) -> bool {
+        self.scene().time.estimates_error()
+    }
+
+    /// Order in time that the error of equal steps falls with: the scheme's, or 1 when it starts from an inconsistent
+    /// velocity.
+    pub(crate) fn order(&self) -> u32 {
+        let tableau = self.tableau();
+        if self.start() == Start::Zero && tableau.uses_start_velocity() {
+            1
+        } else {
+            tableau.order()
+        }
+    }
+
+    /// Step sizes whose factorizations a simulator keeps: the start, the communication step, its last remainder, and a trial
+    /// size; that of the second solution; and those that a control goes through between a kink and smooth motion.
+    pub(crate) fn sizes_kept(&self) -> usize {
+        let halves = if self.tolerance().is_some() { 5 } else { 0 };
+        4 + usize::from(self.has_error_estimate()) + halves
+    }
+
+    /// Discrete L2 norm over the contact, weights omega, of the components `x(i)`.
+    pub(crate) fn contact_norm(&self, x: impl Fn(usize) -> f64) -> f64 {
+        let contact = self.contact();
+        let square = |i: usize| contact.weights[i / contact.components] * x(i) * x(i);
+        (0..contact.len()).map(square).sum::<f64>().sqrt()
+    }
+}
