@@ -4,7 +4,8 @@ use crate::common::random::Random;
 use crate::draw;
 use faer::Mat;
 use stickslip::contact::bounds::Bounds;
-use stickslip::contact::law::{LAWS, LawBounds};
+use stickslip::contact::law::{ChosenLaw, Given, LAWS, Law, LawBounds};
+use stickslip::contact::solve::multiplicity::{self, MultiplicityWorkspace};
 use stickslip::contact::solve::newton::linearisation::{Linearisation, block_len};
 use stickslip::contact::solve::newton::{Workspace, solve};
 use stickslip::contact::{ContactProblem, SlipPath};
@@ -144,5 +145,38 @@ fn random_problems_are_solved() {
             f64::from(total as u32) / 360.0
         );
         assert!(most <= 100, "{law:?}: {most}");
+    }
+}
+
+/// One node, `w + g(|w|) = r` with a bound at rest above `r`: rest and fast slip are solutions, whichever was accepted.
+#[test]
+fn a_second_solution_is_found_where_the_bound_rises_again() {
+    let law = |name: &str| -> Law { *LAWS.iter().find(|law| law.name() == name).unwrap() };
+    let number = Given::Number;
+    let stribeck = |exponent: f64| {
+        let given = [0.5, 0.1, 0.05, exponent, 0.3].map(number);
+        ChosenLaw::new(law("stribeck"), &given, None).unwrap()
+    };
+    let mut random = Random::new(1);
+    for chosen in [stribeck(1.0), stribeck(2.5)] {
+        let bounds = chosen.bounds();
+        let numbers = Numbers {
+            s: Mat::from_fn(1, 1, |_, _| 1.0),
+            r: vec![0.45],
+            weights: vec![1.0],
+            ..Numbers::draw(&mut random, 1, 1)
+        };
+        let problem = numbers.problem(&bounds);
+        let mut slipping = [0.3];
+        assert!(solve_from(&problem, &mut slipping).0);
+        assert!(slipping[0] > 0.2, "{slipping:?}");
+        for accepted in [[0.0], slipping] {
+            assert!(numbers.violation(&bounds, &accepted) <= 1e-9);
+            let mut ws = MultiplicityWorkspace::new(1, 1);
+            let found = multiplicity::test(&problem, &bounds, TOLERANCE, 100, &accepted, &mut ws);
+            assert_eq!(found.solutions, 2, "{:?}", chosen.start());
+            assert!((found.gap - slipping[0]).abs() < 1e-9);
+        }
+        assert!(bounds.weakening() > 1.0);
     }
 }

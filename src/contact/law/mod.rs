@@ -18,6 +18,7 @@ mod chosen;
 mod coefficients;
 mod exponential;
 mod frictionless;
+mod stribeck;
 mod tresca;
 
 pub use chosen::{ChosenLaw, LawBounds};
@@ -35,6 +36,7 @@ pub const LAWS: &[Law] = &[
     Law(&tresca::Tresca),
     Law(&exponential::OF_THE_PAPER),
     Law(&exponential::KIND),
+    Law(&stribeck::Stribeck),
 ];
 
 /// What a law with one number may also be written as in a scene: `{"law": "bound", "bound": 8e4}`.
