@@ -179,17 +179,21 @@ fn values_set_together_are_all_or_nothing() {
     step(&mut simulator).unwrap();
 }
 
-/// A scene whose static bound is a field: an array among its ports.
-fn with_arrays() -> Simulator {
+/// A scene whose static bound is a field and whose law is a table: arrays among its ports.
+fn with_arrays() -> [Simulator; 2] {
     let field: Vec<f64> = (0..8).map(|i| 0.002 + 1e-4 * f64::from(i)).collect();
     let nodal = json!({"law": "exponential", "a": {"nodes": field}, "b": 0.001, "alpha": 100.0});
-    started(compile(&paper(8, &[("contact.friction", &nodal.to_string())])).unwrap())
+    let table = json!({"law": "bound", "bound": {"kind": "table", "rate": [0.0, 0.02, 0.5], "value": [0.003, 0.001, 0.002]}});
+    [nodal, table].map(|friction| {
+        let friction = friction.to_string();
+        started(compile(&paper(8, &[("contact.friction", &friction)])).unwrap())
+    })
 }
 
 /// Arrays are set as a whole, element by element, or with others in one call: the same steps as in the scene that has them.
 #[test]
 fn arrays_are_set_as_one() {
-    let simulator = with_arrays();
+    let [simulator, _] = with_arrays();
     let model = Arc::clone(simulator.model());
     let (a, b) = (reference(&simulator, "a"), reference(&simulator, "b"));
     let port = model.ports().get(a).unwrap();
@@ -237,7 +241,7 @@ fn arrays_are_set_as_one() {
 /// What an array cannot be is refused with its place, and nothing is changed.
 #[test]
 fn a_wrong_entry_of_an_array_is_named() {
-    let mut simulator = with_arrays();
+    let [mut simulator, mut table] = with_arrays();
     let (a, b) = (reference(&simulator, "a"), reference(&simulator, "b"));
     let before = simulator.state().clone();
     let field = [0.002; 8];
@@ -278,4 +282,22 @@ fn a_wrong_entry_of_an_array_is_named() {
     );
     simulator.set_element(a, 2, 0.002).unwrap();
     step(&mut simulator).unwrap();
+
+    let rate = reference(&table, "bound.rate");
+    let error = table
+        .set_many(&[rate], &[0.0, 0.6, 0.5])
+        .unwrap_err()
+        .to_string();
+    let parts = [
+        "contact.friction.bound.rate at point 2",
+        "rates that increase",
+        "0.5",
+    ];
+    assert!(parts.iter().all(|part| error.contains(part)), "{error}");
+    table.set_many(&[rate], &[0.0, 0.4, 0.5]).unwrap();
+    step(&mut table).unwrap();
+    assert_eq!(
+        table.get_by_name("contact.friction.bound.rate").unwrap(),
+        [0.0, 0.4, 0.5]
+    );
 }

@@ -177,6 +177,8 @@ fn the_tangent_is_the_derivative_for_every_law() {
                     stribeck(1.0, json!(a)),
                     stribeck(1.7, json!(a)),
                     stribeck(2.0, json!({ "nodes": field(a) })),
+                    json!({"kind": "table", "rate": [0.0, 0.033, 0.41], "value": [a, 0.8 * a, 1.3 * a]}),
+                    json!({"kind": "table", "rate": [0.21], "value": [1.0], "scale": {"nodes": field(a)}}),
                 ] {
                     let friction = json!({"law": "bound", "bound": bound});
                     stick.push(check(

@@ -157,8 +157,14 @@ fn a_second_solution_is_found_where_the_bound_rises_again() {
         let given = [0.5, 0.1, 0.05, exponent, 0.3].map(number);
         ChosenLaw::new(law("stribeck"), &given, None).unwrap()
     };
+    let table = [
+        Given::Points(vec![0.0, 0.05, 0.1, 1.0]),
+        Given::Points(vec![0.5, 0.1, 0.1, 0.6]),
+        number(1.0),
+    ];
+    let table = ChosenLaw::new(law("table"), &table, None).unwrap();
     let mut random = Random::new(1);
-    for chosen in [stribeck(1.0), stribeck(2.5)] {
+    for chosen in [stribeck(1.0), stribeck(2.5), table] {
         let bounds = chosen.bounds();
         let numbers = Numbers {
             s: Mat::from_fn(1, 1, |_, _| 1.0),

@@ -19,6 +19,7 @@ mod coefficients;
 mod exponential;
 mod frictionless;
 mod stribeck;
+mod table;
 mod tresca;
 
 pub use chosen::{ChosenLaw, LawBounds};
@@ -37,6 +38,7 @@ pub const LAWS: &[Law] = &[
     Law(&exponential::OF_THE_PAPER),
     Law(&exponential::KIND),
     Law(&stribeck::Stribeck),
+    Law(&table::Table),
 ];
 
 /// What a law with one number may also be written as in a scene: `{"law": "bound", "bound": 8e4}`.
