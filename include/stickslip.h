@@ -346,18 +346,30 @@ int32_t stickslip_set_inputs(struct stickslip_simulator *simulator,
 // Sets one input or parameter by its reference, in the unit of its port. Coefficients of the friction law may be set in any
 // order: each is checked against its own range here, and the set of them (a >= b) by `stickslip_init` and
 // `stickslip_do_step`. Outputs are those of the last step until the next one. Errors: `UNKNOWN`, `CALL_ORDER` for an output,
-// `VALUE`.
+// `VALUE`, `LENGTH` for an array, which `stickslip_set_values` sets.
 int32_t stickslip_set(struct stickslip_simulator *simulator,
                       uint32_t reference,
                       double value);
 
 // Sets `count` inputs and parameters together: `values[i]` to the port `references[i]`, in its unit; of a port named twice
 // the last value holds. The friction coefficients that result are checked as a set when the call ends. All is set or, on an
-// error, nothing. Allocates nothing. Errors: `UNKNOWN`, `CALL_ORDER` for an output, `VALUE`, `NULL`.
+// error, nothing. Allocates nothing. Errors: `UNKNOWN`, `CALL_ORDER` for an output, `VALUE`, `NULL`, `LENGTH` for an array,
+// which `stickslip_set_values` sets.
 int32_t stickslip_set_many(struct stickslip_simulator *simulator,
                            const uint32_t *references,
                            const double *values,
                            size_t count);
+
+// Sets inputs and parameters together, arrays included: `values` holds all values of the port `references[0]`, then those of
+// `references[1]` and so on, in the units of the ports; of a port named twice the last values hold. A coefficient of friction
+// that the scene gives per contact node (`{"nodes": [...]}`), and the points of a table, are arrays. The friction coefficients
+// that result are checked as a set when the call ends. All is set or, on an error, nothing. Allocates nothing. Errors:
+// `UNKNOWN`, `CALL_ORDER` for an output, `VALUE`, `NULL`, `LENGTH` unless there are as many values as the ports have.
+int32_t stickslip_set_values(struct stickslip_simulator *simulator,
+                             const uint32_t *references,
+                             size_t reference_count,
+                             const double *values,
+                             size_t value_count);
 
 // Steps from `time` to `time + step` (s). `time` is where the simulation stands, up to rounding; a step of any size is cut
 // into internal steps. Allocates nothing once the step size is known. Returns `NOT_UNIQUE` (> 0) when the step was
@@ -509,18 +521,30 @@ int32_t stickslip_set_inputs(struct stickslip_simulator *simulator,
 // Sets one input or parameter by its reference, in the unit of its port. Coefficients of the friction law may be set in any
 // order: each is checked against its own range here, and the set of them (a >= b) by `stickslip_init` and
 // `stickslip_do_step`. Outputs are those of the last step until the next one. Errors: `UNKNOWN`, `CALL_ORDER` for an output,
-// `VALUE`.
+// `VALUE`, `LENGTH` for an array, which `stickslip_set_values` sets.
 int32_t stickslip_set(struct stickslip_simulator *simulator,
                       uint32_t reference,
                       double value);
 
 // Sets `count` inputs and parameters together: `values[i]` to the port `references[i]`, in its unit; of a port named twice
 // the last value holds. The friction coefficients that result are checked as a set when the call ends. All is set or, on an
-// error, nothing. Allocates nothing. Errors: `UNKNOWN`, `CALL_ORDER` for an output, `VALUE`, `NULL`.
+// error, nothing. Allocates nothing. Errors: `UNKNOWN`, `CALL_ORDER` for an output, `VALUE`, `NULL`, `LENGTH` for an array,
+// which `stickslip_set_values` sets.
 int32_t stickslip_set_many(struct stickslip_simulator *simulator,
                            const uint32_t *references,
                            const double *values,
                            size_t count);
+
+// Sets inputs and parameters together, arrays included: `values` holds all values of the port `references[0]`, then those of
+// `references[1]` and so on, in the units of the ports; of a port named twice the last values hold. A coefficient of friction
+// that the scene gives per contact node (`{"nodes": [...]}`), and the points of a table, are arrays. The friction coefficients
+// that result are checked as a set when the call ends. All is set or, on an error, nothing. Allocates nothing. Errors:
+// `UNKNOWN`, `CALL_ORDER` for an output, `VALUE`, `NULL`, `LENGTH` unless there are as many values as the ports have.
+int32_t stickslip_set_values(struct stickslip_simulator *simulator,
+                             const uint32_t *references,
+                             size_t reference_count,
+                             const double *values,
+                             size_t value_count);
 
 // Steps from `time` to `time + step` (s). `time` is where the simulation stands, up to rounding; a step of any size is cut
 // into internal steps. Allocates nothing once the step size is known. Returns `NOT_UNIQUE` (> 0) when the step was

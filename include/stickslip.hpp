@@ -148,12 +148,9 @@ public:
     }
     void clear_input_slope(std::uint32_t reference) { check(stickslip_clear_input_slope(get(), reference)); }
     void set(std::uint32_t reference, double value) { check(stickslip_set(get(), reference, value)); }
-    // All or nothing, values[i] to the port references[i]; as many values as references.
+    // All or nothing: the values of the ports one after the other, of an array all of them.
     void set(Span<const std::uint32_t> references, Span<const double> values) {
-        if (references.size() != values.size())
-            throw Error(STICKSLIP_LENGTH, "values to set: expected " + std::to_string(references.size()) +
-                                              " values, found " + std::to_string(values.size()));
-        check(stickslip_set_many(get(), references.data(), values.data(), values.size()));
+        check(stickslip_set_values(get(), references.data(), references.size(), values.data(), values.size()));
     }
     // STICKSLIP_OK, STICKSLIP_NOT_UNIQUE or STICKSLIP_AT_ROUNDING.
     std::int32_t do_step(double time, double step) { return check(stickslip_do_step(get(), time, step)); }

@@ -33,7 +33,7 @@ fn call() -> impl Strategy<Value = Call> {
         1 => any::<f64>(),
     ];
     (
-        0..30_u8,
+        0..31_u8,
         0..5_u8,
         0..4_u8,
         0..8_u8,
@@ -237,6 +237,13 @@ impl World {
                         values.as_ptr()
                     };
                     stickslip_set_many(sim, references.as_ptr(), from, around(2).min(3))
+                }
+                30 => {
+                    let references = [self.info.ports as u32 - 3 + n % 4, 0, n];
+                    let values = [v, 0.5 * v, v];
+                    let (to, from) = (references.as_ptr(), values.as_ptr());
+                    let from = if call.is_null { null() } else { from };
+                    stickslip_set_values(sim, to, around(2).min(3), from, around(2).min(3))
                 }
                 26 => stickslip_set_inputs_meaning(sim, n as i32 - 1),
                 27 => stickslip_set_input_slope(sim, n % 3, v),

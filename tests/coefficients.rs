@@ -3,6 +3,7 @@
 mod common;
 
 use common::{paper, started};
+use serde_json::json;
 use std::sync::Arc;
 use stickslip::{Error, Simulator, compile};
 
@@ -176,4 +177,127 @@ fn values_set_together_are_all_or_nothing() {
     assert_eq!(simulator.get_by_name("press").unwrap(), [-0.25]);
     simulator.set_many(&[], &[]).unwrap();
     step(&mut simulator).unwrap();
+}
+
+/// A scene whose static bound is a field and whose law is a table: arrays among its ports.
+fn with_arrays() -> [Simulator; 2] {
+    let field: Vec<f64> = (0..8).map(|i| 0.002 + 1e-4 * f64::from(i)).collect();
+    let nodal = json!({"law": "exponential", "a": {"nodes": field}, "b": 0.001, "alpha": 100.0});
+    let table = json!({"law": "bound", "bound": {"kind": "table", "rate": [0.0, 0.02, 0.5], "value": [0.003, 0.001, 0.002]}});
+    [nodal, table].map(|friction| {
+        let friction = friction.to_string();
+        started(compile(&paper(8, &[("contact.friction", &friction)])).unwrap())
+    })
+}
+
+/// Arrays are set as a whole, element by element, or with others in one call: the same steps as in the scene that has them.
+#[test]
+fn arrays_are_set_as_one() {
+    let [simulator, _] = with_arrays();
+    let model = Arc::clone(simulator.model());
+    let (a, b) = (reference(&simulator, "a"), reference(&simulator, "b"));
+    let port = model.ports().get(a).unwrap();
+    assert_eq!((&*port.shape, port.unit), (&[8][..], "Pa"));
+    assert!(model.ports().get(b).unwrap().shape.is_empty());
+    // below the old kinetic bound, so that neither may come alone
+    let lower: Vec<f64> = (0..8).map(|i| 5e-4 + 1e-5 * f64::from(i)).collect();
+    let field = json!({ "nodes": lower }).to_string();
+    let friction = [
+        (
+            "contact.friction",
+            r#"{"law": "exponential", "a": 0.002, "b": 2e-4, "alpha": 100.0}"#,
+        ),
+        ("contact.friction.a", &field),
+    ];
+    let mut expected = started(compile(&paper(8, &friction)).unwrap());
+    let mut values = lower.clone();
+    values.push(2e-4);
+    let ends: Vec<Vec<u64>> = (0..3)
+        .map(|order| {
+            let mut simulator = Simulator::new(Arc::clone(&model));
+            match order {
+                0 => simulator.set_many(&[a, b], &values).unwrap(),
+                1 => {
+                    for (node, value) in lower.iter().enumerate() {
+                        simulator.set_element(a, node, *value).unwrap();
+                    }
+                    simulator.set(b, 2e-4).unwrap();
+                }
+                _ => {
+                    simulator.set(b, 2e-4).unwrap();
+                    simulator.set_many(&[a], &lower).unwrap();
+                }
+            }
+            simulator.init(0.0).unwrap();
+            (0..4).for_each(|_| step(&mut simulator).unwrap());
+            outputs(&simulator)
+        })
+        .collect();
+    (0..4).for_each(|_| step(&mut expected).unwrap());
+    assert!(ends.iter().all(|end| *end == outputs(&expected)));
+    assert!(expected.get_by_name("contact.max_slip_rate").unwrap()[0] > 0.0);
+}
+
+/// What an array cannot be is refused with its place, and nothing is changed.
+#[test]
+fn a_wrong_entry_of_an_array_is_named() {
+    let [mut simulator, mut table] = with_arrays();
+    let (a, b) = (reference(&simulator, "a"), reference(&simulator, "b"));
+    let before = simulator.state().clone();
+    let field = [0.002; 8];
+    let mut low = field;
+    low[5] = 5e-4;
+    let error = simulator.set_many(&[a], &low).unwrap_err().to_string();
+    let parts = [
+        "contact.friction.a at contact node 5",
+        "contact.friction.b is 0.001",
+        "a >= b",
+        "0.0005",
+    ];
+    assert!(parts.iter().all(|part| error.contains(part)), "{error}");
+    for (references, values) in [
+        (vec![a], vec![0.002; 7]),
+        (vec![a, b], vec![0.002; 8]),
+        (vec![b], vec![1e-3; 2]),
+    ] {
+        let error = simulator.set_many(&references, &values).unwrap_err();
+        assert!(matches!(error, Error::Length { .. }), "{error}");
+    }
+    assert!(matches!(simulator.set(a, 0.002), Err(Error::Length { .. })));
+    assert!(matches!(
+        simulator.set_element(a, 8, 0.002),
+        Err(Error::Length { .. })
+    ));
+    assert!(matches!(
+        simulator.set_element(a, 7, -1.0),
+        Err(Error::Value { .. })
+    ));
+    assert!(*simulator.state() == before);
+    // an incomplete set is refused by the step
+    simulator.set_element(a, 2, 5e-4).unwrap();
+    let error = step(&mut simulator).unwrap_err().to_string();
+    assert!(
+        error.contains("contact.friction.a at contact node 2"),
+        "{error}"
+    );
+    simulator.set_element(a, 2, 0.002).unwrap();
+    step(&mut simulator).unwrap();
+
+    let rate = reference(&table, "bound.rate");
+    let error = table
+        .set_many(&[rate], &[0.0, 0.6, 0.5])
+        .unwrap_err()
+        .to_string();
+    let parts = [
+        "contact.friction.bound.rate at point 2",
+        "rates that increase",
+        "0.5",
+    ];
+    assert!(parts.iter().all(|part| error.contains(part)), "{error}");
+    table.set_many(&[rate], &[0.0, 0.4, 0.5]).unwrap();
+    step(&mut table).unwrap();
+    assert_eq!(
+        table.get_by_name("contact.friction.bound.rate").unwrap(),
+        [0.0, 0.4, 0.5]
+    );
 }

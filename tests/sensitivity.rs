@@ -161,6 +161,38 @@ fn the_tangent_is_the_derivative_in_the_plane() {
     }
 }
 
+/// Bounds that fall and rise with the slip rate, and differ from node to node, in all regimes.
+#[test]
+fn the_tangent_is_the_derivative_for_every_law() {
+    let field = |a: f64| -> Vec<f64> { (0..8).map(|i| a * (1.0 + 0.1 * f64::from(i))).collect() };
+    let mut stick = Vec::new();
+    for scheme in ["trapezoid", "backward_euler", "tr_bdf2"] {
+        for model in ["full", "reduced"] {
+            for (_, a) in PLANE_BOUND {
+                let stribeck = |exponent: f64, at_rest: Value| {
+                    json!({"kind": "stribeck", "static": at_rest, "kinetic": 0.6 * a, "velocity": 0.1,
+                           "exponent": exponent, "viscous": 0.02})
+                };
+                for bound in [
+                    stribeck(1.0, json!(a)),
+                    stribeck(1.7, json!(a)),
+                    stribeck(2.0, json!({ "nodes": field(a) })),
+                    json!({"kind": "table", "rate": [0.0, 0.033, 0.41], "value": [a, 0.8 * a, 1.3 * a]}),
+                    json!({"kind": "table", "rate": [0.21], "value": [1.0], "scale": {"nodes": field(a)}}),
+                ] {
+                    let friction = json!({"law": "bound", "bound": bound});
+                    stick.push(check(
+                        plane(model, scheme, "linear", friction),
+                        [-0.3, 0.05],
+                    ));
+                }
+            }
+        }
+    }
+    assert!(stick.contains(&1.0) && stick.contains(&0.0));
+    assert!(stick.iter().any(|share| *share > 0.0 && *share < 1.0));
+}
+
 /// Whatever inputs mean: held from the beginning of the step; continued with their last slope, with twice the slope before it, or
 /// not continued.
 #[test]

@@ -20,7 +20,7 @@ fn sample(study: &mut Study, setting: &Setting) -> Sample {
 #[test]
 fn errors_fall_with_cells_and_with_steps_down_to_the_limit_of_the_reference() {
     let scene = small();
-    let mut study = Study::new(&scene);
+    let mut study = Study::new(&scene).unwrap();
     let mut reference = Reference::new(&mut study).unwrap();
     for _ in 0..3 {
         reference.refine(&mut study).unwrap();
@@ -73,7 +73,7 @@ fn what_is_left_in_the_reference_covers_its_error() {
     let changes = [("time.step", "0.0625"), ("fidelity.model", "auto")];
     for scene in [paper(16, &changes), seal] {
         let name = &scene.name;
-        let mut study = Study::new(&scene);
+        let mut study = Study::new(&scene).unwrap();
         let mut reference = Reference::new(&mut study).unwrap();
         let mut levels = Vec::new();
         for _ in 0..2 {
@@ -99,7 +99,7 @@ fn what_is_left_in_the_reference_covers_its_error() {
 /// Work is counted: a run takes half as many multiplications with half the steps, but for the iterations.
 #[test]
 fn work_is_counted_alike_in_every_run() {
-    let mut study = Study::new(&small());
+    let mut study = Study::new(&small()).unwrap();
     let setting = Setting::unchanged();
     let (once, again) = (sample(&mut study, &setting), sample(&mut study, &setting));
     assert_eq!(once.trajectory, again.trajectory);
@@ -113,7 +113,7 @@ fn work_is_counted_alike_in_every_run() {
 #[test]
 fn a_shared_body_changes_no_bit() {
     let scene = small();
-    let mut study = Study::new(&scene);
+    let mut study = Study::new(&scene).unwrap();
     let _given = study.compile(&Setting::unchanged()).unwrap();
     for (path, value) in [
         ("time.step", "0.0625"),

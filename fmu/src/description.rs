@@ -9,6 +9,7 @@ use crate::log::Category;
 use crate::parameters;
 use crate::variables::{Follows, Role, Variable, Variables};
 use crate::xml::Xml;
+use std::collections::BTreeSet;
 use std::sync::Arc;
 use stickslip::simulator::course::Points;
 use stickslip::{Model, Scene, Simulator};
@@ -23,18 +24,31 @@ pub enum FmiVersion {
     Fmi3,
 }
 
-/// Units by their base units: name, kg, m, s.
-const UNITS: [(&str, i32, i32, i32); 8] = [
-    ("s", 0, 0, 1),
-    ("m", 0, 1, 0),
-    ("m/s", 0, 1, -1),
-    ("Pa", 1, -1, -2),
-    ("Pa.s", 1, -1, -1),
-    ("N", 1, 1, -2),
-    ("N/m3", 1, -2, -2),
-    ("s/m", 0, -1, 1),
+/// Units that others are products of, by their base units: name, exponents of kg, m, s.
+const UNITS: [(&str, [i32; 3]); 5] = [
+    ("s", [0, 0, 1]),
+    ("m", [0, 1, 0]),
+    ("Pa", [1, -1, -2]),
+    ("N", [1, 1, -2]),
+    ("J", [1, 2, -2]),
 ];
-const JOULE: (&str, i32, i32, i32) = ("J", 1, 2, -2);
+
+/// Exponents of kg, m and s of a unit: factors with dots between them, a digit after a factor that is a power, after a slash
+/// those that divide. `None` where it has a factor that is not known.
+fn exponents(unit: &str) -> Option<[i32; 3]> {
+    let mut sum = [0; 3];
+    for (sign, factors) in [1, -1].into_iter().zip(unit.split('/')) {
+        for factor in factors.split('.') {
+            let name = factor.trim_end_matches(|c: char| c.is_ascii_digit());
+            let power = factor[name.len()..].parse().unwrap_or(1);
+            let (_, known) = UNITS.iter().find(|(known, _)| *known == name)?;
+            for (sum, exponent) in sum.iter_mut().zip(known) {
+                *sum += sign * power * exponent;
+            }
+        }
+    }
+    Some(sum)
+}
 
 /// What a description is written from.
 struct Source<'a> {
@@ -50,8 +64,11 @@ struct Source<'a> {
 }
 
 impl Source<'_> {
-    fn start_of(&self, place: usize) -> String {
-        format!("{:?}", self.start[place])
+    /// Start values of the places from `first` on, with blanks between them.
+    fn start_of(&self, first: usize, len: usize) -> String {
+        let values = self.start[first..first + len].iter();
+        let values: Vec<String> = values.map(|value| format!("{value:?}")).collect();
+        values.join(" ")
     }
 }
 
@@ -95,10 +112,12 @@ pub fn model_description(
 
 fn write_units(xml: &mut Xml, variables: &Variables) {
     xml.open("UnitDefinitions", &[]);
-    for (name, kg, m, s) in UNITS.iter().chain([&JOULE]) {
-        if !variables.all().iter().any(|v| v.unit == *name) {
+    let units: BTreeSet<&str> = variables.all().iter().map(|v| v.unit).collect();
+    for name in units {
+        // a pure number has none
+        let Some([kg, m, s]) = exponents(name) else {
             continue;
-        }
+        };
         xml.open("Unit", &[("name", name)]);
         let exponents = [("kg", kg), ("m", m), ("s", s)].map(|(base, e)| (base, e.to_string()));
         let nonzero: Vec<_> = exponents
@@ -225,4 +244,25 @@ pub fn terminals(model: &Model, is_scalar: bool) -> String {
         );
     }
     xml.finish()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::exponents;
+    use stickslip::contact::law::LAWS;
+
+    /// A unit that is not known would be named in the description and not defined there.
+    #[test]
+    fn every_unit_of_a_law_has_base_units() {
+        assert_eq!(exponents("N/m3"), Some([1, -2, -2]));
+        assert_eq!(exponents("Pa.s/m"), Some([1, -2, -1]));
+        assert_eq!(exponents("1"), None);
+        for declared in LAWS.iter().flat_map(|law| law.coefficients()) {
+            let is_number = declared.unit == "1";
+            assert!(
+                is_number || exponents(declared.unit).is_some(),
+                "{declared:?}"
+            );
+        }
+    }
 }

@@ -223,7 +223,8 @@ fn variables_table(
         };
         let begin = match variable.role {
             Role::Time | Role::Output => String::new(),
-            _ => words_of(&Value::from(start[variable.first])),
+            _ if variable.shape.is_empty() => words_of(&Value::from(start[variable.first])),
+            _ => words_of(&Value::from(&start[variable.range()])),
         };
         let size: Vec<String> = variable.shape.iter().map(usize::to_string).collect();
         let names = match (is_fmi2 || is_scalar, variable.element_names().as_slice()) {

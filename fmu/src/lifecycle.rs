@@ -231,9 +231,11 @@ impl Instance {
         let mut simulator = Simulator::new(Arc::clone(&component.model));
         for variable in component.variables.all() {
             if let (Some(port), Role::Input | Role::Tunable) = (variable.port, variable.role) {
-                let mut value = [0.0];
-                self.simulator.get(port, &mut value)?;
-                simulator.set(port, value[0])?;
+                let mut values = vec![0.0; variable.len];
+                self.simulator.get(port, &mut values)?;
+                for (element, value) in values.iter().enumerate() {
+                    simulator.set_element(port, element, *value)?;
+                }
                 if let Some(slope) = self.simulator.input_slope(port) {
                     simulator.set_input_slope(port, Some(slope))?;
                 }

@@ -207,7 +207,7 @@ pub unsafe extern "C" fn stickslip_set_inputs(
 /// Sets one input or parameter by its reference, in the unit of its port. Coefficients of the friction law may be set in any
 /// order: each is checked against its own range here, and the set of them (a >= b) by `stickslip_init` and
 /// `stickslip_do_step`. Outputs are those of the last step until the next one. Errors: `UNKNOWN`, `CALL_ORDER` for an output,
-/// `VALUE`.
+/// `VALUE`, `LENGTH` for an array, which `stickslip_set_values` sets.
 ///
 /// # Safety
 /// `simulator` is NULL or live.
@@ -227,7 +227,8 @@ pub unsafe extern "C" fn stickslip_set(
 
 /// Sets `count` inputs and parameters together: `values[i]` to the port `references[i]`, in its unit; of a port named twice
 /// the last value holds. The friction coefficients that result are checked as a set when the call ends. All is set or, on an
-/// error, nothing. Allocates nothing. Errors: `UNKNOWN`, `CALL_ORDER` for an output, `VALUE`, `NULL`.
+/// error, nothing. Allocates nothing. Errors: `UNKNOWN`, `CALL_ORDER` for an output, `VALUE`, `NULL`, `LENGTH` for an array,
+/// which `stickslip_set_values` sets.
 ///
 /// # Safety
 /// `simulator` is NULL or live, `references` and `values` are NULL or point to `count` values each.
@@ -241,6 +242,36 @@ pub unsafe extern "C" fn stickslip_set_many(
     let call = |simulator: &mut Simulator| {
         // SAFETY: as promised by the caller
         let references = unsafe { guard::values(references, count, count, "references") }?;
+        let values = unsafe { guard::values(values, count, count, "values to set") }?;
+        simulator.set_many(references, values)?;
+        Ok(STICKSLIP_OK)
+    };
+    // SAFETY: as promised by the caller
+    unsafe { with(simulator, call) }
+}
+
+/// Sets inputs and parameters together, arrays included: `values` holds all values of the port `references[0]`, then those of
+/// `references[1]` and so on, in the units of the ports; of a port named twice the last values hold. A coefficient of friction
+/// that the scene gives per contact node (`{"nodes": [...]}`), and the points of a table, are arrays. The friction coefficients
+/// that result are checked as a set when the call ends. All is set or, on an error, nothing. Allocates nothing. Errors:
+/// `UNKNOWN`, `CALL_ORDER` for an output, `VALUE`, `NULL`, `LENGTH` unless there are as many values as the ports have.
+///
+/// # Safety
+/// `simulator` is NULL or live, `references` and `values` are NULL or point to `reference_count` and `value_count` values.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn stickslip_set_values(
+    simulator: *mut stickslip_simulator,
+    references: *const u32,
+    reference_count: usize,
+    values: *const f64,
+    value_count: usize,
+) -> i32 {
+    let call = |simulator: &mut Simulator| {
+        let count = reference_count;
+        // SAFETY: as promised by the caller
+        let references = unsafe { guard::values(references, count, count, "references") }?;
+        let count = value_count;
+        // SAFETY: as promised by the caller
         let values = unsafe { guard::values(values, count, count, "values to set") }?;
         simulator.set_many(references, values)?;
         Ok(STICKSLIP_OK)

@@ -1,5 +1,7 @@
 //! What a friction law is asked, at a node or at all nodes of the contact at once, and what it says.
 
+use pulp::Arch;
+
 /// Accumulated slip within a stage: `base + per_rate * rate` (m; per_rate in s).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SlipPath {
@@ -51,9 +53,18 @@ impl NodalLaw {
         }
     }
 
-    /// Every node at which the law is evaluated, with its place for the result.
+    /// Evaluates at every node; the loop is compiled for the vector instructions of the machine, which `evaluate` uses where
+    /// it is `#[inline(always)]` and has no branches.
     #[inline(always)]
-    pub fn fill(
+    pub fn fill(&mut self, nodes: Nodes, evaluate: impl FnMut(usize, f64, SlipPath) -> Evaluation) {
+        Arch::new().dispatch(
+            #[inline(always)]
+            || self.fill_here(nodes, evaluate),
+        );
+    }
+
+    #[inline(always)]
+    fn fill_here(
         &mut self,
         nodes: Nodes,
         mut evaluate: impl FnMut(usize, f64, SlipPath) -> Evaluation,

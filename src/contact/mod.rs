@@ -15,6 +15,7 @@
 //!
 //! which is coercive, so one exists whatever the law and the step. Nothing here knows the body, the mesh or the time.
 
+pub mod bounds;
 pub mod evaluation;
 pub mod law;
 mod plane;
@@ -23,6 +24,7 @@ pub mod problem;
 pub mod solve;
 mod space;
 
+pub use bounds::Bounds;
 pub use evaluation::SlipPath;
 pub use law::{FrictionLaw, Law};
 pub use problem::ContactProblem;

@@ -1,7 +1,7 @@
 //! The contact problem of one stage, and what holds at a trial point: forces, residual, step energy.
 
+use super::bounds::Bounds;
 use super::evaluation::{Evaluation, Nodes, SlipPath};
-use super::law::FrictionLaw;
 use super::plane;
 use super::point::Point;
 use crate::linalg::lanes::visit;
@@ -10,7 +10,7 @@ use faer::MatRef;
 use pulp::Simd;
 
 /// `S w + Lambda = r` with the friction law, on `nodes * components` tangential velocities (node by node).
-pub struct ContactProblem<'a, L> {
+pub struct ContactProblem<'a> {
     /// Condensed operator, symmetric positive definite, N s/m.
     pub s: MatRef<'a, f64>,
     /// Condensed load, N.
@@ -19,8 +19,8 @@ pub struct ContactProblem<'a, L> {
     pub components: usize,
     /// Nodal contact weights omega, m^2 (m in 2D).
     pub weights: &'a [f64],
-    /// Friction law.
-    pub law: &'a L,
+    /// Friction bounds of the nodes.
+    pub law: &'a dyn Bounds,
     /// Accumulated slip of every node before the implicit part of the stage, m.
     pub slip_base: &'a [f64],
     /// Implicit weight of the stage, s: accumulated slip grows by this times the slip rate.
@@ -52,7 +52,7 @@ pub const LARGEST_FLOOR: f64 = 1e-8;
 /// Below this slip rate, m/s, underflow takes digits from the direction of slip: a slower node is at rest.
 pub const SLOWEST: f64 = f64::MIN_POSITIVE / f64::EPSILON;
 
-impl<L: FrictionLaw> ContactProblem<'_, L> {
+impl ContactProblem<'_> {
     #[inline(always)]
     pub fn nodes(&self) -> usize {
         self.weights.len()
@@ -85,7 +85,7 @@ impl<L: FrictionLaw> ContactProblem<'_, L> {
 
     /// Largest admissible nodal force at rest, N.
     pub fn bound_at_rest(&self, node: usize) -> f64 {
-        self.weights[node] * self.law.bound(node, 0.0, self.slip_path(node))
+        self.weights[node] * self.law.at_rest(node, self.slip_path(node))
     }
 
     /// Largest eigenvalue of the diagonal block of S at a node.
@@ -120,23 +120,28 @@ impl<L: FrictionLaw> ContactProblem<'_, L> {
         self.apply_law(point);
     }
 
+    /// The nodes at these slip rates.
+    #[inline(always)]
+    fn nodes_at<'b>(&'b self, rates: &'b [f64]) -> Nodes<'b> {
+        Nodes {
+            weights: self.weights,
+            rates,
+            slip_base: self.slip_base,
+            per_rate: self.theta_k,
+        }
+    }
+
     /// The law at the slip rates of a point.
     #[inline(always)]
     pub fn apply_law(&self, point: &mut Point) {
-        let nodes = Nodes {
-            weights: self.weights,
-            rates: &point.rates,
-            slip_base: self.slip_base,
-            per_rate: self.theta_k,
-        };
-        self.law.evaluate_all(nodes, &mut point.law);
+        let Point { rates, law, .. } = point;
+        self.law.fill(self.nodes_at(rates), law);
     }
 
     /// What the violated forces of a point are measured against; it does not change in a solve.
     pub fn yardstick(&self) -> Yardstick {
-        let bounds = (0..self.nodes()).map(|node| self.bound_at_rest(node));
         Yardstick {
-            least_bound: SCALE_FLOOR * bounds.fold(0.0, f64::max),
+            least_bound: SCALE_FLOOR * self.law.largest_at_rest(self.nodes_at(&[])),
         }
     }
 

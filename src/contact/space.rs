@@ -5,15 +5,14 @@
 //! direction, divided by `g`, is the angle, however small the slip rate is; added to the velocity itself, the same step would
 //! turn the direction by the rounding of the magnitude.
 
-use super::law::FrictionLaw;
 use super::point::Point;
 use super::problem::{ContactProblem, SLOWEST, norm};
 use super::solve::newton::second_variation::LARGEST_ACROSS;
 
 /// Slip directions and gradient of W of what moves; zeros where a node sticks. Whether something moves, and whether from rest.
 #[inline(never)]
-pub fn motion<L: FrictionLaw>(
-    problem: &ContactProblem<L>,
+pub fn motion(
+    problem: &ContactProblem,
     point: &Point,
     normal: &mut [f64],
     gradient: &mut [f64],
@@ -45,8 +44,8 @@ pub fn motion<L: FrictionLaw>(
 /// Splits the steps of the nodes that hardly move: what is along the slip direction stays, what is across becomes the tangent of
 /// an angle (counter-clockwise, as a share of the slip rate). `turns` is zero at all other nodes.
 #[inline(never)]
-pub fn split_turns<L: FrictionLaw>(
-    problem: &ContactProblem<L>,
+pub fn split_turns(
+    problem: &ContactProblem,
     point: &Point,
     normal: &[f64],
     step: &mut [f64],

@@ -1,7 +1,7 @@
 //! Certificate of unique solvability.
 //!
-//! With the trace constant `c0` (`|v_tau|_{L2(contact)} <= c0 |eps(v)|`, (5.12)), the Lipschitz constant `L_g` of the
-//! friction bound (5.16) and the ellipticity constant `m_A` of the viscosity:
+//! With the trace constant `c0` (`|v_tau|_{L2(contact)} <= c0 |eps(v)|`, (5.12)), the one-sided Lipschitz constant
+//! `L_g` of the friction bound (5.16), the largest rate at which the bound of any node decreases with the slip rate, and the ellipticity constant `m_A` of the viscosity:
 //!
 //! * the continuous problem has one solution when `c0^2 L_g < m_A` (Theorem 5.3; (2.6) with beta = c0^2 L_g, m = m_A);
 //! * a trapezoidal step has one solution when also `k < (m_A - c0^2 L_g) / L_B` (3.6), `L_B` the norm of the elasticity;
@@ -20,7 +20,7 @@ use faer::Mat;
 pub struct Certificate {
     /// Trace constant squared, m.
     pub c0_squared: f64,
-    /// Lipschitz constant of the friction bound, Pa s/m.
+    /// Largest rate at which the friction bound of any node decreases with the slip rate, Pa s/m; a bound that rises does no harm.
     pub l_g: f64,
     /// Ellipticity constant of the viscosity, Pa s.
     pub m_a: f64,
@@ -49,7 +49,7 @@ impl Certificate {
     }
 
     /// `sharp_step / L_g - 1`: by what share the slope of the law could grow before uniqueness is lost (negative: it is
-    /// not guaranteed); infinite for a bound that does not depend on the slip rate.
+    /// not guaranteed); infinite for a bound that never decreases with the slip rate.
     pub fn margin(&self) -> f64 {
         if self.l_g == 0.0 {
             f64::INFINITY
@@ -59,7 +59,7 @@ impl Certificate {
     }
 }
 
-/// The certificate for a law of Lipschitz constant `l_g` and the implicit weight `theta_k` (s) of the largest step;
+/// The certificate for a law that weakens at the rate `l_g` at most and the implicit weight `theta_k` (s) of the largest step;
 /// `sharp_constant(x, y)` is the smallest eigenvalue of `Omega^-1/2 S Omega^-1/2`, S the condensed operator of `x A + y B`.
 ///
 /// # Errors

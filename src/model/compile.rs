@@ -14,7 +14,6 @@ use crate::body::reduced::Reduced;
 use crate::body::reduction::port_matrix::PortMatrix;
 use crate::body::reduction::transfer::Sampler;
 use crate::body::reduction::{Reduction, Synthesis, reduce};
-use crate::contact::Law;
 use crate::error::{Error, Result};
 use crate::fem::Body;
 use crate::linalg::SparseCholesky;
@@ -77,6 +76,8 @@ impl Compilation {
     ) -> Result<Compilation> {
         watch.report(Phase::Assembly, 0.05)?;
         let body = Body::assemble_on(&scene, mesh)?;
+        // before the work of an hour: whether coefficients fit the contact nodes
+        scene.friction_on(body.contact.node_count())?;
         watch.report(Phase::Assembly, 0.1)?;
         let operators = &body.operators;
         let cholesky = SparseCholesky::new(
@@ -141,15 +142,20 @@ fn finish(
     kept: &Kept,
     selection: Option<Selection>,
 ) -> Result<Model> {
-    let law = Law::from_scene(&scene.contact.friction);
+    let friction = scene.friction_on(body.contact.node_count())?;
     let tableau = Tableau::of(scene.time.scheme);
     let theta_k = tableau.theta() * scene.time.step;
-    let certificate = certify(body, law.lipschitz(), theta_k, |x, y| match &kept.model {
-        KeptModel::Reduced(reduced) => {
-            sharp_constant_of_compliance(body, &reduced.compliance(x, y))
-        }
-        KeptModel::Whole(_) => sharp_constant(body, cholesky, (x, y)),
-    })?;
+    let certificate = certify(
+        body,
+        friction.bounds().weakening(),
+        theta_k,
+        |x, y| match &kept.model {
+            KeptModel::Reduced(reduced) => {
+                sharp_constant_of_compliance(body, &reduced.compliance(x, y))
+            }
+            KeptModel::Whole(_) => sharp_constant(body, cholesky, (x, y)),
+        },
+    )?;
     let parts = Parts {
         kind: kept.kind,
         reduction: kept.reduction.clone(),

@@ -15,7 +15,7 @@ pub use compile::Compilation;
 pub(crate) use memory::ensure_available;
 pub use selection::Selection;
 
-use crate::contact::Law;
+use crate::contact::law::ChosenLaw;
 use crate::contact::solve::fixed_point::FixedPoint;
 use crate::fem::ContactPatch;
 use crate::ports::Ports;
@@ -101,7 +101,7 @@ pub struct Model {
     interpolations: Vec<Interpolation>,
     probes: usize,
     ports: Ports,
-    law: Law,
+    friction: ChosenLaw,
     tableau: Tableau,
     start: Start,
     largest_step: f64,
@@ -186,8 +186,8 @@ impl Model {
     }
 
     /// The friction law with the coefficients of the scene.
-    pub fn law(&self) -> &Law {
-        &self.law
+    pub fn friction(&self) -> &ChosenLaw {
+        &self.friction
     }
 
     /// Number of inputs: one per load.

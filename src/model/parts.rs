@@ -4,12 +4,12 @@
 use super::certificate::Certificate;
 use super::selection::Selection;
 use super::{BodyModel, LoadInput, Model, ReductionRecord, SolverSettings, Summary};
-use crate::contact::Law;
+use crate::contact::law::ChosenLaw;
 use crate::contact::solve::fixed_point::FixedPoint;
 use crate::error::Result;
 use crate::fem::ContactPatch;
 use crate::ports::{Ports, Shapes};
-use crate::scene::{ElementKind, FrictionSolver, LoadKind, ModelKind, Run, Scene};
+use crate::scene::{ElementKind, FixedPointStop, FrictionSolver, LoadKind, ModelKind, Run, Scene};
 use crate::state::State;
 use crate::time::scheme::Tableau;
 use std::sync::Arc;
@@ -41,13 +41,12 @@ impl Model {
     /// The model of a scene with its compiled numbers; what only the command line reads of the scene is dropped.
     ///
     /// # Errors
-    /// [`crate::Error::Value`] for coefficients out of range; not for a validated scene.
+    /// [`crate::Error::Scene`] for coefficients that do not fit the contact nodes.
     pub(super) fn new(scene: &Scene, parts: Parts) -> Result<Model> {
-        let law = Law::from_scene(&scene.contact.friction);
-        law.with_coefficients(&law.coefficients())?;
+        let friction = scene.friction_on(parts.contact.node_count())?;
         let mut model = Model {
             summary: summary(scene, &parts),
-            ports: ports(scene, &parts, law),
+            ports: ports(scene, &parts, &friction),
             loads: scene
                 .loads
                 .iter()
@@ -59,7 +58,7 @@ impl Model {
                 .collect(),
             interpolations: scene.loads.iter().map(|l| l.interpolation).collect(),
             probes: scene.probes.len(),
-            law,
+            friction,
             tableau: Tableau::of(scene.time.scheme),
             start: scene.time.start,
             largest_step: scene.time.step,
@@ -106,7 +105,7 @@ fn summary(scene: &Scene, parts: &Parts) -> Summary {
     }
 }
 
-fn ports(scene: &Scene, parts: &Parts, law: Law) -> Ports {
+fn ports(scene: &Scene, parts: &Parts, friction: &ChosenLaw) -> Ports {
     let unit = |kind| match kind {
         LoadKind::Traction => "Pa",
         LoadKind::BodyForce => "N/m3",
@@ -123,7 +122,7 @@ fn ports(scene: &Scene, parts: &Parts, law: Law) -> Ports {
         components: parts.contact.components,
         loads: &loads,
         probes: &probes,
-        law,
+        friction,
         has_error_estimate: scene.time.estimates_error(),
     })
 }
@@ -140,7 +139,7 @@ fn solver(scene: &Scene) -> SolverSettings {
             max_iterations,
         } => SolverSettings::FixedPoint(FixedPoint {
             tolerance,
-            stop,
+            watches_forces: stop != FixedPointStop::Displacement,
             max_iterations: max_iterations as usize,
         }),
     }

@@ -233,13 +233,14 @@ impl Ports {
     }
 
     fn add_coefficients(&mut self, shapes: &Shapes) {
-        let names = shapes.law.coefficient_names();
-        for (i, (name, unit)) in names.iter().zip(shapes.law.coefficient_units()).enumerate() {
+        let (law, places) = (shapes.friction.law(), shapes.friction.places());
+        for (i, (declared, place)) in law.coefficients().iter().zip(places).enumerate() {
+            let shape: &[usize] = if place.is_array { &[place.len] } else { &[] };
             self.add(
-                format!("contact.friction.{name}"),
-                unit,
+                law.path(i),
+                declared.unit,
                 Causality::Parameter,
-                &[],
+                shape,
                 Quantity::Coefficient(i),
                 "Coefficient of the friction law; may change between steps.",
             );

@@ -3,7 +3,7 @@
 mod list;
 pub(crate) mod readout;
 
-use crate::contact::Law;
+use crate::contact::law::ChosenLaw;
 use crate::error::{Error, Result};
 
 /// What a port is to a master.
@@ -56,7 +56,8 @@ pub struct Port {
     /// SI unit; `1` for a number.
     pub unit: &'static str,
     pub causality: Causality,
-    /// Shape: empty for a scalar, `[nodes]` or `[nodes, components]` over the contact (components inner), `[dimension]`.
+    /// Shape: empty for a scalar, `[nodes]` or `[nodes, components]` over the contact (components inner), `[dimension]`,
+    /// `[points]` of a curve.
     pub shape: Vec<usize>,
     pub quantity: Quantity,
     /// One sentence with sign and frame.
@@ -89,7 +90,7 @@ pub(crate) struct Shapes<'a> {
     /// Name and unit of the intensity, in the order of the scene.
     pub loads: &'a [(String, &'static str)],
     pub probes: &'a [String],
-    pub law: Law,
+    pub friction: &'a ChosenLaw,
     /// Whether the error in time is estimated.
     pub has_error_estimate: bool,
 }

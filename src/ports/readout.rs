@@ -45,6 +45,10 @@ pub(crate) fn read(model: &Model, state: &State, port: &Port, out: &mut [f64]) {
             }
             return;
         }
+        Quantity::Coefficient(i) => {
+            let place = &model.friction().places()[i];
+            return out.copy_from_slice(&state.coefficients[place.range()]);
+        }
         Quantity::SlipRate => return out.copy_from_slice(&state.main.instant.slip_rate),
         Quantity::Slip => return out.copy_from_slice(&state.slip),
         Quantity::AccumulatedSlip => return out.copy_from_slice(&state.main.accumulated_slip),
@@ -57,7 +61,6 @@ pub(crate) fn read(model: &Model, state: &State, port: &Port, out: &mut [f64]) {
         Quantity::LoadDisplacement(i) => state.output_displacement[i] / model.load_measure(i),
         Quantity::LoadVelocity(i) => state.main.instant.output_velocity[i] / model.load_measure(i),
         Quantity::Load(i) => state.inputs[i],
-        Quantity::Coefficient(i) => state.coefficients[i],
         Quantity::MaxSlipRate => state
             .main
             .instant

@@ -7,6 +7,7 @@
 //! 3. `validate`: the rules that tie several values together.
 
 mod examples;
+mod friction;
 mod geometry;
 mod overrides;
 mod parse;

@@ -7,11 +7,13 @@
 mod body;
 mod boundary;
 mod fidelity;
+mod friction;
 mod run;
 
 pub use body::*;
 pub use boundary::*;
 pub use fidelity::*;
+pub use friction::*;
 pub use run::*;
 
 use schemars::JsonSchema;

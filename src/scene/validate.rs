@@ -163,8 +163,14 @@ fn check_precision(fidelity: &Fidelity) -> Verdict {
     )
 }
 
-/// Two ways to choose the steps.
+/// Two ways to choose the steps; other meshes than the one that a coefficient was given for.
 fn check_target(scene: &Scene) -> Verdict {
+    let nodal = scene.nodal_coefficient();
+    if let (Some(path), Some(_)) = (nodal, scene.fidelity.target_error) {
+        let found = "a value beside a coefficient per contact node, which belongs to one mesh";
+        let allowed = format!("a target with numbers in {path}");
+        return Err(Refusal::new("fidelity.target_error", found, allowed));
+    }
     let has_both = scene.fidelity.target_error.is_some() && scene.time.tolerance.is_some();
     ensure(!has_both, || {
         let found = "a value beside time.tolerance, which chooses the steps";

@@ -11,7 +11,7 @@ pub use reading::Past;
 
 use crate::error::{Error, Result};
 use crate::model::Model;
-use crate::ports::Quantity;
+use crate::ports::{Port, Quantity};
 use crate::state::State;
 use crate::time::companion::{Alone, Companion};
 use crate::time::control;
@@ -163,45 +163,82 @@ impl Simulator {
     /// are set in any order. Outputs stay those of the last step or initialization until then.
     ///
     /// # Errors
-    /// [`Error::Unknown`], [`Error::CallOrder`] for an output, [`Error::Value`].
+    /// [`Error::Unknown`], [`Error::CallOrder`] for an output, [`Error::Value`], [`Error::Length`] for an array.
     pub fn set(&mut self, reference: u32, value: f64) -> Result<()> {
+        let len = self.model.ports().get(reference)?.len();
+        self.check_count(len, 1)?;
+        self.set_element(reference, 0, value)
+    }
+
+    /// Sets one element of an input or parameter, otherwise as [`Simulator::set`] does.
+    ///
+    /// # Errors
+    /// Those of [`Simulator::set`]; [`Error::Length`] for an element that the port does not have.
+    pub fn set_element(&mut self, reference: u32, element: usize, value: f64) -> Result<()> {
         let model = Arc::clone(&self.model);
-        let quantity = settable(&model, reference, value)?;
-        self.put(quantity, value);
+        let port = model.ports().get(reference)?;
+        if element >= port.len() {
+            return Err(Error::Length {
+                what: "elements of the port",
+                expected: port.len(),
+                found: element.saturating_add(1),
+            });
+        }
+        let quantity = settable(&model, port, value)?;
+        self.put(quantity, element, value);
         Ok(())
     }
 
-    /// Sets inputs and parameters together: `values[i]` to the port `references[i]`; of a port named twice the last value holds.
-    /// The friction coefficients that result are checked as a set. All is set or, on an error, nothing.
+    /// Sets inputs and parameters together: the values of the ports `references` one after the other, of an array all of them; of
+    /// a port named twice the last values hold. The friction coefficients that result are checked as a set. All is set or, on
+    /// an error, nothing.
     ///
     /// # Errors
-    /// [`Error::Length`] unless there are as many values as references; those of [`Simulator::set`]; [`Error::Value`] for
+    /// [`Error::Length`] unless there are as many values as the ports have; those of [`Simulator::set`]; [`Error::Value`] for
     /// coefficients that do not fit each other.
     pub fn set_many(&mut self, references: &[u32], values: &[f64]) -> Result<()> {
-        if references.len() != values.len() {
-            return Err(Error::Length {
-                what: "values to set",
-                expected: references.len(),
-                found: values.len(),
-            });
-        }
         let model = Arc::clone(&self.model);
-        let pairs = || references.iter().zip(values);
-        let mut coefficients = self.state.coefficient_array();
+        let mut count: usize = 0;
+        for reference in references {
+            count = count.saturating_add(model.ports().get(*reference)?.len());
+        }
+        self.check_count(count, values.len())?;
+        // the trial state is scratch between steps
+        let coefficients = &mut self.trial.coefficients;
+        coefficients.copy_from_slice(&self.state.coefficients);
         let mut has_coefficients = false;
-        for (reference, value) in pairs() {
-            if let Quantity::Coefficient(i) = settable(&model, *reference, *value)? {
-                coefficients[i] = *value;
-                has_coefficients = true;
+        let mut rest = values.iter();
+        for reference in references {
+            let port = model.ports().get(*reference)?;
+            for (element, value) in rest.by_ref().take(port.len()).enumerate() {
+                if let Quantity::Coefficient(i) = settable(&model, port, *value)? {
+                    coefficients[model.friction().places()[i].first + element] = *value;
+                    has_coefficients = true;
+                }
             }
         }
         if has_coefficients {
-            model.law().with_coefficients(&coefficients)?;
+            model.friction().check(coefficients)?;
         }
-        for (reference, value) in pairs() {
-            self.put(model.ports().get(*reference)?.quantity, *value);
+        let mut rest = values.iter();
+        for reference in references {
+            let port = model.ports().get(*reference)?;
+            for (element, value) in rest.by_ref().take(port.len()).enumerate() {
+                self.put(port.quantity, element, *value);
+            }
         }
         Ok(())
+    }
+
+    fn check_count(&self, expected: usize, found: usize) -> Result<()> {
+        if expected == found {
+            return Ok(());
+        }
+        Err(Error::Length {
+            what: "values to set",
+            expected,
+            found,
+        })
     }
 
     /// Refuses friction coefficients that do not fit each other: what [`Simulator::init`] and [`Simulator::do_step`] do first.
@@ -209,20 +246,19 @@ impl Simulator {
     /// # Errors
     /// [`Error::Value`] that names a coefficient.
     pub fn check_coefficients(&self) -> Result<()> {
-        let coefficients = self.state.coefficient_array();
-        self.model
-            .law()
-            .with_coefficients(&coefficients)
-            .map(|_| ())
+        self.model.friction().check(&self.state.coefficients)
     }
 
     /// Puts a value that has been checked where it belongs.
-    fn put(&mut self, quantity: Quantity, value: f64) {
+    fn put(&mut self, quantity: Quantity, element: usize, value: f64) {
         match quantity {
             Quantity::Load(i) => self.state.inputs[i] = value,
-            Quantity::Coefficient(i) if self.state.coefficients[i] != value => {
-                self.state.coefficients[i] = value;
-                self.state.needs_settling = self.state.is_initialized;
+            Quantity::Coefficient(i) => {
+                let at = self.model.friction().places()[i].first + element;
+                if self.state.coefficients[at] != value {
+                    self.state.coefficients[at] = value;
+                    self.state.needs_settling = self.state.is_initialized;
+                }
             }
             _ => {}
         }
@@ -306,7 +342,7 @@ impl Simulator {
     /// Solves something at the present state on the side.
     ///
     /// # Errors
-    /// [`Error::CallOrder`] before initialization.
+    /// [`Error::CallOrder`] before initialization, [`Error::Value`] for friction coefficients that do not fit each other.
     pub(crate) fn solve_here(
         &mut self,
         call: &'static str,
@@ -318,6 +354,7 @@ impl Simulator {
                 expected: "init first",
             });
         }
+        self.check_coefficients()?;
         solve(&self.model, &self.state, &mut self.workspace)
     }
 
@@ -341,9 +378,8 @@ impl Simulator {
 /// What a value would be set to.
 ///
 /// # Errors
-/// [`Error::Unknown`], [`Error::CallOrder`] for an output, [`Error::Value`] for a value that the port cannot have by itself.
-fn settable(model: &Model, reference: u32, value: f64) -> Result<Quantity> {
-    let port = model.ports().get(reference)?;
+/// [`Error::CallOrder`] for an output, [`Error::Value`] for a value that the port cannot have by itself.
+fn settable(model: &Model, port: &Port, value: f64) -> Result<Quantity> {
     if !value.is_finite() {
         return Err(Error::Value {
             what: port.name.clone(),
@@ -353,7 +389,7 @@ fn settable(model: &Model, reference: u32, value: f64) -> Result<Quantity> {
     }
     match port.quantity {
         Quantity::Load(_) => {}
-        Quantity::Coefficient(i) => model.law().check_coefficient(i, value)?,
+        Quantity::Coefficient(i) => model.friction().law().check_value(i, value)?,
         _ => {
             return Err(Error::CallOrder {
                 call: "set",

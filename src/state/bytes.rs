@@ -8,7 +8,7 @@ use crate::model::Model;
 
 const FRAME: Frame = Frame {
     magic: *b"SLIPSTAT",
-    format: 4,
+    format: 5,
     what: "saved state",
 };
 

@@ -8,7 +8,6 @@ mod solution;
 pub(crate) use solution::Instant;
 use solution::Solution;
 
-use crate::contact::law::MAX_COEFFICIENTS;
 use crate::contact::solve::newton::linearisation::clear_points;
 use crate::error::{Error, Result};
 use crate::linalg::dot;
@@ -54,7 +53,7 @@ blocks! {
         output_displacement: Motion[|s| s.outputs],
         /// External work, elastic energy, viscous and frictional dissipation, J; see [`energy`].
         energy: Motion[|_| energy::COUNT],
-        /// Coefficients of the friction law.
+        /// Coefficients of the friction law, one after the other (see `ChosenLaw::places`).
         coefficients: Given[|s| s.coefficients],
         /// Account of the last communication step; see [`report`].
         report: Account[|_| report::COUNT],
@@ -139,7 +138,7 @@ impl State {
             components: model.contact().components,
             loads: model.input_count(),
             outputs: model.output_count(),
-            coefficients: model.law().coefficients().len(),
+            coefficients: model.friction().start().len(),
             has_second: model.has_error_estimate(),
             rows: model.history_capacity(),
         }
@@ -149,12 +148,12 @@ impl State {
     fn with_rows(model: &Model, rows: usize) -> State {
         let sizes = State::sizes(model);
         let mut state = State::allocate(&Sizes { rows, ..sizes });
-        let (start, coefficients) = (model.start_loads(), model.law().coefficients());
+        let (start, coefficients) = (model.start_loads(), model.friction().start());
         state.fingerprint = model.fingerprint();
         state.set_meaning(model.scene().time.inputs.unwrap_or_default());
         state.loads.copy_from_slice(&start);
         state.inputs.copy_from_slice(&start);
-        state.coefficients.copy_from_slice(&coefficients);
+        state.coefficients.copy_from_slice(coefficients);
         for (_, points) in state.blocks_mut().filter(|(kind, _)| *kind == Kind::Marks) {
             clear_points(points);
         }
@@ -316,15 +315,6 @@ impl State {
     /// A state always holds values.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
-    }
-
-    /// Friction coefficients as the law takes them.
-    pub(crate) fn coefficient_array(&self) -> [f64; MAX_COEFFICIENTS] {
-        let mut out = [0.0; MAX_COEFFICIENTS];
-        for (out, value) in out.iter_mut().zip(&self.coefficients) {
-            *out = *value;
-        }
-        out
     }
 }
 

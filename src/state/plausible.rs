@@ -60,12 +60,8 @@ impl State {
                 )?,
             }
         }
-        for (i, value) in self.coefficients.iter().enumerate() {
-            if i < model.law().coefficient_names().len() {
-                let checked = model.law().check_coefficient(i, *value);
-                checked.map_err(|e| Reader::refusal(format!("saved state: {e}")))?;
-            }
-        }
+        let checked = model.friction().check_values(&self.coefficients);
+        checked.map_err(|e| Reader::refusal(format!("saved state: {e}")))?;
         if self.is_initialized == 0 {
             ensure(
                 self.steps == 0 && self.is_at_rest(),

@@ -6,7 +6,7 @@ use super::record::explicit_part;
 use super::workspace::Workspace;
 use crate::contact::solve::newton::linearisation::Linearisation;
 use crate::contact::solve::{fixed_point, multiplicity, newton};
-use crate::contact::{ContactProblem, Law, problem::norm};
+use crate::contact::{ContactProblem, problem::norm};
 use crate::error::{Error, Result};
 use crate::model::{Model, SolverSettings};
 use crate::scene::Start;
@@ -76,7 +76,6 @@ fn solve_stage(
     index: usize,
 ) -> Result<()> {
     let body = model.body();
-    let law = model.law().with_coefficients(&state.coefficient_array())?;
     let stage = ws.stages.get(body, theta_k, &mut ws.scratch)?;
     body.predict(
         stage,
@@ -85,12 +84,13 @@ fn solve_stage(
         &mut ws.condensed_load,
         &mut ws.scratch,
     );
+    let bounds = model.friction().with(&state.coefficients);
     let contact = ContactProblem {
         s: stage.s.as_ref(),
         r: &ws.condensed_load,
         components: model.contact().components,
         weights: &model.contact().weights,
-        law: &law,
+        law: &bounds,
         slip_base: &ws.explicit.accumulated_slip,
         theta_k,
     };
@@ -148,13 +148,17 @@ fn solve_stage(
         });
     }
     if model.has_multiplicity_test() {
-        test_multiplicity(
+        let found = multiplicity::test(
             &contact,
+            &bounds,
+            settings.tolerance(),
+            settings.max_iterations(),
             &velocity.instant.slip_rate,
             &mut ws.multiplicity,
-            settings,
-            state,
         );
+        let entry = &mut state.report;
+        entry[report::SOLUTIONS] = entry[report::SOLUTIONS].max(found.solutions as f64);
+        entry[report::SOLUTION_GAP] = entry[report::SOLUTION_GAP].max(found.gap);
     }
     let entry = &mut state.report;
     entry[report::ITERATIONS] += solution.iterations as f64;
@@ -189,18 +193,4 @@ fn solve_stage(
     );
     velocity.load.copy_from_slice(&ws.load);
     Ok(())
-}
-
-fn test_multiplicity(
-    contact: &ContactProblem<Law>,
-    accepted: &[f64],
-    ws: &mut multiplicity::MultiplicityWorkspace,
-    settings: &SolverSettings,
-    state: &mut State,
-) {
-    let (tolerance, iterations) = (settings.tolerance(), settings.max_iterations());
-    let found = multiplicity::test(contact, tolerance, iterations, accepted, ws);
-    let entry = &mut state.report;
-    entry[report::SOLUTIONS] = entry[report::SOLUTIONS].max(found.solutions as f64);
-    entry[report::SOLUTION_GAP] = entry[report::SOLUTION_GAP].max(found.gap);
 }

@@ -254,14 +254,14 @@ impl Tangents {
         index: usize,
     ) -> Result<()> {
         let body = model.body();
-        let law = model.law().with_coefficients(&state.coefficient_array())?;
+        let bounds = model.friction().with(&state.coefficients);
         let stage = ws.stages.get(body, theta_k, &mut ws.scratch)?;
         let contact = ContactProblem {
             s: stage.s.as_ref(),
             r: &ws.condensed_load,
             components: model.contact().components,
             weights: &model.contact().weights,
-            law: &law,
+            law: &bounds,
             slip_base: &ws.explicit.accumulated_slip,
             theta_k,
         };

@@ -53,7 +53,7 @@ pub(crate) fn resolve(scene: &Scene, watch: &mut Watch) -> Result<(Scene, Option
 /// # Errors
 /// [`Error::Scene`] at `fidelity.target_error` when it is out of reach; those of compilation and run.
 fn select(scene: &Scene, target: f64, watch: &mut Watch) -> Result<(Scene, Selection)> {
-    let mut study = Study::new(scene);
+    let mut study = Study::new(scene)?;
     let scene = study.scene().clone();
     let families = Family::all(&scene);
     let reference = reference(&mut study, target, watch)?;

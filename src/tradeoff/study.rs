@@ -51,7 +51,18 @@ pub struct Sample {
 
 impl Study {
     /// A study of a scene on its own signals; a target in it plays no part.
-    pub fn new(scene: &Scene) -> Study {
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for a coefficient of friction that is given per contact node: it belongs to one mesh.
+    pub fn new(scene: &Scene) -> Result<Study> {
+        if let Some(path) = scene.nodal_coefficient() {
+            return Err(Error::Scene {
+                source_name: "scene".into(),
+                path,
+                found: "one number per contact node, which belongs to one mesh".into(),
+                allowed: "a number, in scenes whose meshes are compared".into(),
+            });
+        }
         let mut scene = scene.clone();
         scene.fidelity.target_error = None;
         let step = Points::of(&scene).step;
@@ -59,11 +70,11 @@ impl Study {
             true => COARSENING,
             false => 1,
         };
-        Study {
+        Ok(Study {
             scene,
             interval: step * coarsening as f64,
             bodies: BTreeMap::new(),
-        }
+        })
     }
 
     pub fn scene(&self) -> &Scene {

@@ -7,7 +7,7 @@ use crate::course;
 use crate::failure::Failure;
 use crate::pictures::{Axis, Curves, Mark, Panel, Series, Sheet, sequential};
 use std::path::Path;
-use stickslip::contact::{FrictionLaw, SlipPath};
+use stickslip::contact::{Bounds, SlipPath};
 use stickslip::{Simulator, compile};
 
 const STEPS: u32 = 10;
@@ -43,7 +43,8 @@ pub fn draw(out: &Path) -> Result<(), Failure> {
         base: 0.0,
         per_rate: 0.0,
     };
-    let bound = |rate: f64| model.law().bound(tip, rate, still);
+    let bounds = model.friction().bounds();
+    let bound = |rate: f64| bounds.evaluate(tip, rate, still).bound;
     let fastest = steps.iter().flatten().map(|p| p.0).fold(0.0, f64::max);
     let panel = |heading: &str, end: f64| {
         let law = Series {

@@ -38,7 +38,7 @@ pub fn run(options: &TradeoffOptions) -> Result<(), Failure> {
         None => Budget::of_seconds(options.budget),
     };
     Points::checked(&scene).map_err(Failure::of(name))?;
-    let mut study = Study::new(&scene);
+    let mut study = Study::new(&scene).map_err(Failure::of(name))?;
 
     let (reference, found) = measure(&mut study, &budget).map_err(Failure::of(name))?;
 

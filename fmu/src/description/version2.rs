@@ -95,7 +95,7 @@ fn write_variable(xml: &mut Xml, source: &Source, variable: &Variable, name: &st
     ];
     attributes.extend(initial.map(|initial| ("initial", initial)));
     xml.open("ScalarVariable", &attributes);
-    let start = source.start_of(place);
+    let start = source.start_of(place, 1);
     match variable.choice {
         Some(choice) => {
             let start = (source.start[place] as i64).to_string();

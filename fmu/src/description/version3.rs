@@ -137,7 +137,8 @@ fn write_variable(xml: &mut Xml, source: &Source, item: &Declared) {
         xml.empty("Enumeration", &attributes);
         return;
     }
-    let start = source.start_of(item.place);
+    let len = if item.is_array { variable.len } else { 1 };
+    let start = source.start_of(item.place, len);
     if variable.unit != "1" {
         attributes.push(("unit", variable.unit));
     }

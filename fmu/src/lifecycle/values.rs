@@ -176,11 +176,13 @@ impl Instance {
             .any(is_tunable)
             .then(|| self.simulator.state().clone());
         for (&place, value) in places.iter().zip(values) {
-            let port = self.component.variables.at(place).and_then(|v| v.port);
+            let variable = self.component.variables.at(place);
+            let port = variable.and_then(|v| Some((v.port?, place - v.first)));
             let first = self.component.variables.first_parameter();
             match port {
-                Some(port) => {
-                    if let Err(error) = self.simulator.set(port, value.to_value()) {
+                Some((port, element)) => {
+                    let value = value.to_value();
+                    if let Err(error) = self.simulator.set_element(port, element, value) {
                         if let Some(before) = &before {
                             self.simulator.restore(before)?;
                         }

@@ -7,9 +7,8 @@
 
 use super::newton::linearisation::{Linearisation, block_len};
 use super::newton::{Solution, Workspace, solve as solve_newton};
-use crate::contact::law::{FrictionLaw, FrozenBounds};
+use crate::contact::bounds::FrozenBounds;
 use crate::contact::problem::{ContactProblem, norm};
-use crate::scene::FixedPointStop;
 
 /// Residual to which each Tresca problem is solved.
 const INNER_TOLERANCE: f64 = 1e-13;
@@ -19,7 +18,8 @@ const INNER_ITERATIONS: usize = 500;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FixedPoint {
     pub tolerance: f64,
-    pub stop: FixedPointStop,
+    /// Whether the change of the contact forces counts beside that of the displacement.
+    pub watches_forces: bool,
     pub max_iterations: usize,
 }
 
@@ -60,8 +60,8 @@ impl FixedPointWorkspace {
 /// receives every iterate (velocities, forces) and returns the strain norms of the change of the displacement since
 /// the iterate before, and of the iterate before.
 #[allow(clippy::too_many_arguments)]
-pub fn solve<L: FrictionLaw>(
-    problem: &ContactProblem<L>,
+pub fn solve(
+    problem: &ContactProblem,
     settings: FixedPoint,
     previous_force: &[f64],
     w: &mut [f64],
@@ -81,7 +81,10 @@ pub fn solve<L: FrictionLaw>(
         iterations += 1;
         for node in 0..problem.nodes() {
             let rate = norm(&w[node * c..(node + 1) * c]);
-            own.bounds[node] = problem.law.bound(node, rate, problem.slip_path(node));
+            own.bounds[node] = problem
+                .law
+                .evaluate(node, rate, problem.slip_path(node))
+                .bound;
         }
         let frozen = ContactProblem {
             s: problem.s,
@@ -110,8 +113,7 @@ pub fn solve<L: FrictionLaw>(
         }
         let (moved, displacement) = displacement_change(w, &own.force);
         has_settled = moved <= settings.tolerance * displacement
-            && (settings.stop == FixedPointStop::Displacement
-                || change.sqrt() <= settings.tolerance * size.sqrt());
+            && (!settings.watches_forces || change.sqrt() <= settings.tolerance * size.sqrt());
     }
     let (residual, node) = ws.residual_of(problem, w);
     Solution {

@@ -1,12 +1,14 @@
 //! The two-sided start: a cheap test for a second solution of one stage.
 //!
 //! Where the bound weakens faster than the body can follow, a stage may have several solutions. Starting from the
-//! solution with the static bound everywhere (as much stick as possible) and from the one with the kinetic bound
-//! everywhere (as much slip as possible) finds the two extreme ones. It proves multiplicity, never uniqueness.
+//! solution with the largest bound of the law everywhere (as much stick as possible; rest, where a bound rises without
+//! limit) and from the one with the smallest bound everywhere (as much slip as possible) finds the two extreme ones. It
+//! proves multiplicity, never uniqueness.
 
 use super::newton::linearisation::{Linearisation, block_len};
 use super::newton::{Workspace, solve};
-use crate::contact::law::{FrictionLaw, FrozenBounds, Law};
+use crate::contact::bounds::FrozenBounds;
+use crate::contact::law::LawBounds;
 use crate::contact::problem::ContactProblem;
 
 /// Solutions that differ by less than this share of the largest slip rate are one.
@@ -40,9 +42,10 @@ impl MultiplicityWorkspace {
     }
 }
 
-/// Looks for solutions other than `accepted`.
+/// Looks for solutions other than `accepted` of a problem with the bounds of `law`.
 pub fn test(
-    problem: &ContactProblem<Law>,
+    problem: &ContactProblem,
+    law: &LawBounds,
     tolerance: f64,
     max_iterations: usize,
     accepted: &[f64],
@@ -53,14 +56,11 @@ pub fn test(
         gap: 0.0,
     };
     let largest = accepted.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
-    for (at, rate) in [0.0, f64::INFINITY].into_iter().enumerate() {
-        for node in 0..problem.nodes() {
-            ws.bounds[node] = if rate == 0.0 {
-                problem.law.bound(node, 0.0, problem.slip_path(node))
-            } else {
-                problem.law.kinetic_bound()
-            };
+    for at in 0..2 {
+        for (node, bound) in ws.bounds.iter_mut().enumerate() {
+            *bound = law.extremes(node)[at];
         }
+        let is_rest = ws.bounds.iter().any(|bound| bound.is_infinite());
         let (before, rest) = ws.candidates.split_at_mut(at);
         let w = &mut rest[0];
         w.fill(0.0);
@@ -74,26 +74,12 @@ pub fn test(
             theta_k: problem.theta_k,
         };
         let mut at = Linearisation::fresh(&mut ws.blocks, problem.theta_k);
-        let mut solve_from_here = |w: &mut [f64]| {
-            let start = solve(
-                &frozen,
-                tolerance,
-                max_iterations,
-                w,
-                &mut at,
-                &mut ws.newton,
-            );
-            let solution = solve(
-                problem,
-                tolerance,
-                max_iterations,
-                w,
-                &mut at,
-                &mut ws.newton,
-            );
-            start.converged && solution.converged
+        let mut converges = |problem: &ContactProblem, w: &mut [f64]| {
+            let newton = &mut ws.newton;
+            solve(problem, tolerance, max_iterations, w, &mut at, newton).converged
         };
-        if !solve_from_here(w) {
+        let has_start = is_rest || converges(&frozen, w);
+        if !(converges(problem, w) && has_start) {
             continue;
         }
         let scale = w.iter().fold(largest, |m, v| m.max(v.abs()));

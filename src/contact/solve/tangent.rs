@@ -9,7 +9,6 @@
 //! forces:          dLambda = dr - S dw where a node sticks, D dw + omega g_s ds n where it slips
 //! ```
 
-use crate::contact::law::FrictionLaw;
 use crate::contact::problem::{ContactProblem, norm};
 use faer::Mat;
 use faer::linalg::solvers::{PartialPivLu, Solve};
@@ -29,7 +28,7 @@ pub(crate) struct FrictionTangent {
 }
 
 impl FrictionTangent {
-    pub fn new(problem: &ContactProblem<impl FrictionLaw>, w: &[f64]) -> FrictionTangent {
+    pub fn new(problem: &ContactProblem, w: &[f64]) -> FrictionTangent {
         let c = problem.components;
         let mut free = Vec::new();
         let mut direction = vec![0.0; w.len()];
@@ -45,7 +44,7 @@ impl FrictionTangent {
             }
             let path = problem.slip_path(node);
             let weight = problem.weights[node];
-            let along = weight * problem.law.slope(node, rate, path);
+            let along = weight * problem.law.evaluate(node, rate, path).slope;
             let mut n = [0.0; 2];
             let mut across = 0.0;
             if rate > 0.0 {
@@ -55,6 +54,10 @@ impl FrictionTangent {
                     n[p] = w[at + p] / rate;
                     direction[at + p] = n[p];
                 }
+            }
+            // a node at rest without a bound has no direction: what rises with the slip rate resists in all
+            if rate == 0.0 {
+                across = along;
             }
             let entry = |p: usize, q: usize| {
                 let identity = f64::from(u8::from(p == q));

@@ -1,5 +1,6 @@
-//! What acts on the body: contact, friction and loads; and where it is observed.
+//! What acts on the body: contact and loads; and where it is observed.
 
+use super::Friction;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -15,32 +16,6 @@ pub struct Contact {
     /// where the contact is normal to x.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tangent: Option<Vec<f64>>,
-}
-
-/// Friction bound g as a function of the slip rate r >= 0 (m/s).
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(tag = "law", rename_all = "snake_case", deny_unknown_fields)]
-pub enum Friction {
-    /// No tangential stress.
-    Frictionless {},
-    /// Constant bound `g = bound`.
-    Tresca {
-        /// Bound, Pa; not negative.
-        #[schemars(range(min = 0))]
-        bound: f64,
-    },
-    /// `g(r) = (a - b) exp(-alpha r) + b`.
-    Exponential {
-        /// Static bound, Pa; `a >= b`.
-        #[schemars(range(min = 0))]
-        a: f64,
-        /// Kinetic bound, Pa; not negative.
-        #[schemars(range(min = 0))]
-        b: f64,
-        /// Decay, s/m; not negative.
-        #[schemars(range(min = 0))]
-        alpha: f64,
-    },
 }
 
 /// A load; its intensity is an input, its work-conjugate displacement and velocity are outputs.

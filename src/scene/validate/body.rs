@@ -1,5 +1,6 @@
 //! Rules of the body: mesh, material, what is clamped and what is in contact.
 
+use super::super::friction;
 use super::super::refusal::Refusal;
 use super::super::types::*;
 use super::{MAX_NODES, Verdict, check_vector, ensure, json, length};
@@ -137,12 +138,7 @@ pub(super) fn check_contact(scene: &Scene) -> Verdict {
         let allowed = "parts that leave nodes of contact.part free (or more cells between them)";
         Refusal::new("clamped", json(&scene.clamped), allowed)
     })?;
-    if let Friction::Exponential { a, b, .. } = contact.friction {
-        ensure(a >= b, || {
-            let allowed = format!("at least b = {}", number(b));
-            Refusal::new("contact.friction.a", number(a), allowed)
-        })?;
-    }
+    friction::check(scene)?;
     if let Some(tangent) = &contact.tangent {
         let path = "contact.tangent";
         check_vector(mesh, tangent, path)?;

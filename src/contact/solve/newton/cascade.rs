@@ -15,8 +15,8 @@
 //! Only for one tangential component per node: there the nodes are ordered along the contact.
 
 use super::linearisation::{Linearisation, block_len};
-use crate::contact::evaluation::{Evaluation, SlipPath};
-use crate::contact::law::FrictionLaw;
+use crate::contact::bounds::Bounds;
+use crate::contact::evaluation::{Evaluation, NodalLaw, Nodes, SlipPath};
 use crate::contact::problem::ContactProblem;
 use crate::contact::solve::newton::{Workspace, solve};
 use crate::linalg::column;
@@ -49,29 +49,36 @@ pub struct Cascade {
 
 /// The law of the whole contact, at some of its nodes.
 struct Sampled<'a> {
-    law: &'a dyn FrictionLaw,
+    law: &'a dyn Bounds,
     nodes: &'a [usize],
 }
 
-impl FrictionLaw for Sampled<'_> {
-    fn bound(&self, node: usize, rate: f64, slip: SlipPath) -> f64 {
-        self.law.bound(self.nodes[node], rate, slip)
+impl Bounds for Sampled<'_> {
+    fn evaluate(&self, node: usize, rate: f64, slip: SlipPath) -> Evaluation {
+        self.law.evaluate(self.nodes[node], rate, slip)
     }
 
-    fn slope(&self, node: usize, rate: f64, slip: SlipPath) -> f64 {
-        self.law.slope(self.nodes[node], rate, slip)
+    fn at_rest(&self, node: usize, slip: SlipPath) -> f64 {
+        self.law.at_rest(self.nodes[node], slip)
     }
 
     fn slip_slope(&self, node: usize, rate: f64, slip: SlipPath) -> f64 {
         self.law.slip_slope(self.nodes[node], rate, slip)
     }
 
-    fn potential(&self, node: usize, rate: f64, slip: SlipPath) -> f64 {
-        self.law.potential(self.nodes[node], rate, slip)
+    fn fill(&self, nodes: Nodes, out: &mut NodalLaw) {
+        out.fill(nodes, |node, rate, slip| self.evaluate(node, rate, slip));
     }
 
-    fn evaluate(&self, node: usize, rate: f64, slip: SlipPath) -> Evaluation {
-        self.law.evaluate(self.nodes[node], rate, slip)
+    fn largest_at_rest(&self, nodes: Nodes) -> f64 {
+        let bounds = nodes.weights.iter().enumerate().map(|(node, weight)| {
+            let slip = SlipPath {
+                base: nodes.slip_base[node],
+                per_rate: nodes.per_rate,
+            };
+            weight * self.at_rest(node, slip)
+        });
+        bounds.fold(0.0, f64::max)
     }
 }
 
@@ -150,7 +157,7 @@ impl Level {
     }
 
     /// Solves the problem of this level roughly, from its velocities.
-    fn solve(&mut self, law: &dyn FrictionLaw, theta_k: f64) {
+    fn solve(&mut self, law: &dyn Bounds, theta_k: f64) {
         let law = Sampled {
             law,
             nodes: &self.nodes,
@@ -208,12 +215,7 @@ impl Cascade {
     }
 
     /// Velocities `to` near a solution of the problem, from `from`.
-    pub fn descend(
-        &mut self,
-        problem: &ContactProblem<impl FrictionLaw>,
-        from: &[f64],
-        to: &mut [f64],
-    ) {
+    pub fn descend(&mut self, problem: &ContactProblem, from: &[f64], to: &mut [f64]) {
         for at in 0..self.levels.len() {
             let (above, rest) = self.levels.split_at_mut(at);
             rest[0].restrict(match above.last() {

@@ -20,7 +20,6 @@ use super::last::Last;
 use super::linearisation::{Factor, FactorCache, Linearisation};
 use super::second_variation::{NOTICEABLE, SecondVariation, term_capacity};
 use super::small::{SmallSystem, Term};
-use crate::contact::law::FrictionLaw;
 use crate::contact::plane::{self, Motion};
 use crate::contact::point::Point;
 use crate::contact::problem::ContactProblem;
@@ -92,10 +91,10 @@ impl Direction {
     /// Finds the direction at `point`, after so many slow steps in a row; the point of linearisation moves here when they
     /// are the fault of the matrix, or when it is too far away. False when nothing moves or no matrix can be had.
     #[inline(always)]
-    pub fn find<S: Simd, L: FrictionLaw>(
+    pub fn find<S: Simd>(
         &mut self,
         simd: S,
-        problem: &ContactProblem<L>,
+        problem: &ContactProblem,
         point: &Point,
         at: &mut Linearisation,
         cache: &mut FactorCache,
@@ -144,15 +143,15 @@ impl Direction {
         false
     }
 
-    fn moves<L: FrictionLaw>(&self, problem: &ContactProblem<L>, node: usize) -> bool {
+    fn moves(&self, problem: &ContactProblem, node: usize) -> bool {
         self.normal[problem.at(node)].iter().any(|n| *n != 0.0)
     }
 
     /// Makes the present point the point of linearisation; with the bound frozen where it decreases, if need be.
     #[inline(never)]
-    fn relinearise<L: FrictionLaw>(
+    fn relinearise(
         &mut self,
-        problem: &ContactProblem<L>,
+        problem: &ContactProblem,
         point: &Point,
         at: &mut Linearisation,
         cache: &mut FactorCache,
@@ -184,10 +183,10 @@ impl Direction {
     /// The terms by which the matrix wanted differs from the one at hand; false when they are too many or a node moves
     /// that is not free.
     #[inline(always)]
-    fn list_terms<S: Simd, L: FrictionLaw>(
+    fn list_terms<S: Simd>(
         &mut self,
         simd: S,
-        problem: &ContactProblem<L>,
+        problem: &ContactProblem,
         point: &Point,
         factor: &Factor,
     ) -> bool {
@@ -215,10 +214,10 @@ impl Direction {
 
     /// The step of the matrix wanted, from the factor at hand, the terms and the last step.
     #[inline(always)]
-    fn solve<S: Simd, L: FrictionLaw>(
+    fn solve<S: Simd>(
         &mut self,
         simd: S,
-        problem: &ContactProblem<L>,
+        problem: &ContactProblem,
         point: &Point,
         factor: &Factor,
     ) {
@@ -267,7 +266,7 @@ impl Direction {
 
     /// The step from the solution where not everything is free.
     #[inline(never)]
-    fn scatter<L: FrictionLaw>(&mut self, problem: &ContactProblem<L>, factor: &Factor) {
+    fn scatter(&mut self, problem: &ContactProblem, factor: &Factor) {
         self.step.fill(0.0);
         for (value, component) in self.solution.iter().zip(&factor.components) {
             // what sticks stays exactly at rest
@@ -286,12 +285,7 @@ impl Direction {
 
     /// Forces of the step with one component where not everything is free.
     #[inline(always)]
-    fn scatter_forces<S: Simd, L: FrictionLaw>(
-        &mut self,
-        simd: S,
-        problem: &ContactProblem<L>,
-        factor: &Factor,
-    ) {
+    fn scatter_forces<S: Simd>(&mut self, simd: S, problem: &ContactProblem, factor: &Factor) {
         let clamped = problem.nodes() - factor.order();
         if problem.nodes() <= SMALL || 2 * clamped > problem.nodes() {
             return multiply(problem.s, &self.step, &mut self.forces);
@@ -325,11 +319,7 @@ impl Direction {
     /// Drops the nodes at rest that the direction would start backwards: they stay at rest while the others are solved
     /// again. Whether there were any. With two components the others start along their direction only: across it the
     /// bound is infinitely stiff.
-    fn drop_false_starts<L: FrictionLaw>(
-        &mut self,
-        problem: &ContactProblem<L>,
-        point: &Point,
-    ) -> bool {
+    fn drop_false_starts(&mut self, problem: &ContactProblem, point: &Point) -> bool {
         let mut dropped = false;
         for (node, rate) in point.rates.iter().enumerate() {
             if *rate > 0.0 {

@@ -5,7 +5,6 @@
 //! of a Newton step, and so the last bits of its result, depend on it. The factor is only a cache, keyed by the bits of
 //! the point: a simulator that continues from a restored state makes it anew, to the same bits.
 
-use crate::contact::law::FrictionLaw;
 use crate::contact::problem::ContactProblem;
 use crate::linalg::{DenseCholesky, column};
 
@@ -154,7 +153,7 @@ impl Factor {
         (place != NOWHERE).then_some(place)
     }
 
-    fn make<L: FrictionLaw>(&mut self, problem: &ContactProblem<L>, point: &Linearisation) -> bool {
+    fn make(&mut self, problem: &ContactProblem, point: &Linearisation) -> bool {
         let c = problem.components;
         let len = block_len(c);
         self.is_made = false;
@@ -218,11 +217,7 @@ impl FactorCache {
     }
 
     /// Makes sure of the factor at a point; false when the matrix there is not positive definite.
-    pub fn prepare<L: FrictionLaw>(
-        &mut self,
-        problem: &ContactProblem<L>,
-        point: &Linearisation,
-    ) -> bool {
+    pub fn prepare(&mut self, problem: &ContactProblem, point: &Linearisation) -> bool {
         self.clock += 1;
         self.current = None;
         let known = self.factors.iter().position(|f| point.is_at(f));

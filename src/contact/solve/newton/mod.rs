@@ -32,7 +32,6 @@ pub(crate) mod second_variation;
 mod small;
 mod sweep;
 
-use crate::contact::law::FrictionLaw;
 use crate::contact::plane;
 use crate::contact::point::Point;
 use crate::contact::problem::{ContactProblem, Judgement, LARGEST_FLOOR, SLOWEST, Yardstick};
@@ -126,11 +125,7 @@ impl Workspace {
     }
 
     /// Residual of `problem` at `w` and its node; `w` becomes the accepted point.
-    pub fn residual_of<L: FrictionLaw>(
-        &mut self,
-        problem: &ContactProblem<L>,
-        w: &[f64],
-    ) -> (f64, usize) {
+    pub fn residual_of(&mut self, problem: &ContactProblem, w: &[f64]) -> (f64, usize) {
         self.accepted.w.copy_from_slice(w);
         problem.complete(&mut self.accepted);
         problem.worst_node(&self.accepted, problem.yardstick())
@@ -152,8 +147,8 @@ impl Workspace {
 
 /// Solves the contact problem from the warm start `w`, which becomes the solution; `at` is the point of linearisation, which
 /// may move. Allocates nothing.
-pub fn solve<L: FrictionLaw>(
-    problem: &ContactProblem<L>,
+pub fn solve(
+    problem: &ContactProblem,
     tolerance: f64,
     max_iterations: usize,
     w: &mut [f64],
@@ -171,8 +166,8 @@ pub fn solve<L: FrictionLaw>(
 }
 
 /// A solve: all loops over the contact that run at every iteration are compiled into it, for the instructions of the machine.
-struct Solve<'a, 'p, 'l, L> {
-    problem: &'a ContactProblem<'p, L>,
+struct Solve<'a, 'p, 'l> {
+    problem: &'a ContactProblem<'p>,
     tolerance: f64,
     max_iterations: usize,
     w: &'a mut [f64],
@@ -180,7 +175,7 @@ struct Solve<'a, 'p, 'l, L> {
     ws: &'a mut Workspace,
 }
 
-impl<L: FrictionLaw> WithSimd for Solve<'_, '_, '_, L> {
+impl WithSimd for Solve<'_, '_, '_> {
     type Output = Solution;
 
     #[inline(always)]
@@ -277,11 +272,7 @@ impl<L: FrictionLaw> WithSimd for Solve<'_, '_, '_, L> {
 
 /// The residual that is left where rounding allows for no less; see [`ContactProblem::residual_beyond_rounding`].
 #[inline(never)]
-fn at_rounding<L: FrictionLaw>(
-    problem: &ContactProblem<L>,
-    tolerance: f64,
-    ws: &mut Workspace,
-) -> Option<f64> {
+fn at_rounding(problem: &ContactProblem, tolerance: f64, ws: &mut Workspace) -> Option<f64> {
     if !ws.accepted.is_exact {
         problem.complete(&mut ws.accepted);
         ws.is_careful = true;
@@ -290,7 +281,7 @@ fn at_rounding<L: FrictionLaw>(
 }
 
 /// Nodes so slow that underflow takes digits from their slip rate are at rest.
-fn rest_the_slowest<L: FrictionLaw>(problem: &ContactProblem<L>, point: &mut Point) {
+fn rest_the_slowest(problem: &ContactProblem, point: &mut Point) {
     let is_slow = |rate: f64| rate > 0.0 && rate < SLOWEST;
     if point.rates.iter().any(|rate| is_slow(*rate)) {
         for node in 0..problem.nodes() {
@@ -304,9 +295,9 @@ fn rest_the_slowest<L: FrictionLaw>(problem: &ContactProblem<L>, point: &mut Poi
 
 /// Tries a Newton step; on success `ws.accepted` is the new point.
 #[inline(always)]
-fn newton_step<S: Simd, L: FrictionLaw>(
+fn newton_step<S: Simd>(
     simd: S,
-    problem: &ContactProblem<L>,
+    problem: &ContactProblem,
     residual: f64,
     slow: u32,
     at: &mut Linearisation,
@@ -341,7 +332,7 @@ fn newton_step<S: Simd, L: FrictionLaw>(
 
 /// Doubles the step while W decreases further: where W is not convex the majoriser makes steps far too short.
 #[inline(never)]
-fn lengthen<L: FrictionLaw>(problem: &ContactProblem<L>, change: f64, ws: &mut Workspace) {
+fn lengthen(problem: &ContactProblem, change: f64, ws: &mut Workspace) {
     let (mut length, mut best) = (1.0, change);
     for _ in 0..DOUBLINGS {
         let change = advance(Scalar, problem, 2.0 * length, ws).change;
@@ -356,9 +347,9 @@ fn lengthen<L: FrictionLaw>(problem: &ContactProblem<L>, change: f64, ws: &mut W
 
 /// `trial = accepted + length * step` with all that follows, a node that would reverse stops at stick. Returns how W changes.
 #[inline(always)]
-fn advance<S: Simd, L: FrictionLaw>(
+fn advance<S: Simd>(
     simd: S,
-    problem: &ContactProblem<L>,
+    problem: &ContactProblem,
     length: f64,
     ws: &mut Workspace,
 ) -> Judgement {
@@ -384,11 +375,7 @@ fn advance<S: Simd, L: FrictionLaw>(
 
 /// Stops the nodes that would reverse at stick. Whether there were any.
 #[inline(never)]
-fn stop_reversals<L: FrictionLaw>(
-    problem: &ContactProblem<L>,
-    direction: &Direction,
-    w: &mut [f64],
-) -> bool {
+fn stop_reversals(problem: &ContactProblem, direction: &Direction, w: &mut [f64]) -> bool {
     let c = problem.components;
     let mut has_stopped = false;
     let nodes = w.chunks_exact_mut(c).zip(direction.normal.chunks_exact(c));
@@ -406,7 +393,7 @@ fn stop_reversals<L: FrictionLaw>(
 
 /// Moves to a point found on fewer nodes if W decreases. Whether it does.
 #[inline(never)]
-fn cascade<L: FrictionLaw>(problem: &ContactProblem<L>, ws: &mut Workspace) -> bool {
+fn cascade(problem: &ContactProblem, ws: &mut Workspace) -> bool {
     if !ws.cascade.exists() {
         return false;
     }
@@ -426,7 +413,7 @@ fn cascade<L: FrictionLaw>(problem: &ContactProblem<L>, ws: &mut Workspace) -> b
 
 /// Sweeps in the place of a refused Newton step.
 #[inline(never)]
-fn sweep<L: FrictionLaw>(problem: &ContactProblem<L>, ws: &mut Workspace) {
+fn sweep(problem: &ContactProblem, ws: &mut Workspace) {
     ws.direction.note(None);
     for _ in 0..SWEEPS {
         frozen_bound_sweep(problem, &mut ws.accepted);

@@ -12,7 +12,6 @@
 
 use super::linearisation::{Factor, Linearisation, block_len};
 use super::small::{Term, symmetric_terms};
-use crate::contact::law::FrictionLaw;
 use crate::contact::point::Point;
 use crate::contact::problem::{ContactProblem, norm};
 
@@ -56,8 +55,8 @@ fn share_to_free(nearness: &[f64], spare: usize) -> f64 {
 }
 
 /// K at a point.
-pub struct SecondVariation<'a, 'p, L> {
-    pub problem: &'a ContactProblem<'p, L>,
+pub struct SecondVariation<'a, 'p> {
+    pub problem: &'a ContactProblem<'p>,
     pub point: &'a Point,
     /// Slip direction of what moves, all components; zero where a node sticks.
     pub normal: &'a [f64],
@@ -65,7 +64,7 @@ pub struct SecondVariation<'a, 'p, L> {
     pub weakening: f64,
 }
 
-impl<L: FrictionLaw> SecondVariation<'_, '_, L> {
+impl SecondVariation<'_, '_> {
     fn moves(&self, node: usize) -> bool {
         self.normal[self.problem.at(node)].iter().any(|n| *n != 0.0)
     }

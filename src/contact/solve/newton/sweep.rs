@@ -1,13 +1,15 @@
 //! The net under the Newton steps: node by node minimisation of W, which can never increase it.
 
-use crate::contact::law::FrictionLaw;
 use crate::contact::point::Point;
 use crate::contact::problem::{ContactProblem, norm};
-use crate::linalg::column;
+use crate::linalg::{column, dot};
 
-/// One sweep over the nodes, each minimising W with its bound frozen (or, where the bound grows with the rate,
-/// linearised) and the others held. Keeps `y` up to date, not the rest of the point.
-pub fn frozen_bound_sweep<L: FrictionLaw>(problem: &ContactProblem<L>, point: &mut Point) {
+/// Halvings of a move to where a rising bound, linearised, has its minimum, before the node stays where it is.
+const HALVINGS: usize = 30;
+
+/// One sweep over the nodes, each minimising W with its bound frozen and the others held. Where the bound grows with the
+/// rate it is linearised, and the move shortened until W does not increase. Keeps `y` up to date, not the rest of the point.
+pub fn frozen_bound_sweep(problem: &ContactProblem, point: &mut Point) {
     for node in 0..problem.nodes() {
         let at = problem.at(node);
         let stiffness = problem.stiffness(node);
@@ -21,12 +23,19 @@ pub fn frozen_bound_sweep<L: FrictionLaw>(problem: &ContactProblem<L>, point: &m
         let slope = law.slope.max(0.0);
         let bound = law.bound - slope * rate;
         let new_rate = ((pull - bound) / (stiffness + slope)).max(0.0);
-        for (i, target) in at.zip(target) {
-            let new = if new_rate > 0.0 {
-                new_rate * target / pull
-            } else {
-                0.0
+        let mut new = [0.0; 2];
+        if new_rate > 0.0 {
+            new = target.map(|target| new_rate * target / pull);
+        }
+        if slope > 0.0 {
+            let (old, target) = (&point.w[at.clone()], &target[..problem.components]);
+            let energy = |w: &[f64]| {
+                let potential = problem.weighted_law(node, norm(w)).potential;
+                0.5 * stiffness * dot(w, w) - dot(target, w) + potential
             };
+            shorten(energy, old, &mut new[..problem.components]);
+        }
+        for (i, new) in at.zip(new) {
             let change = new - point.w[i];
             if change != 0.0 {
                 point.w[i] = new;
@@ -36,4 +45,18 @@ pub fn frozen_bound_sweep<L: FrictionLaw>(problem: &ContactProblem<L>, point: &m
             }
         }
     }
+}
+
+/// Moves `new` towards `old` until the energy there is not larger.
+fn shorten(energy: impl Fn(&[f64]) -> f64, old: &[f64], new: &mut [f64]) {
+    let before = energy(old);
+    for _ in 0..HALVINGS {
+        if energy(new) <= before {
+            return;
+        }
+        for (new, old) in new.iter_mut().zip(old) {
+            *new = 0.5 * (*new + old);
+        }
+    }
+    new.copy_from_slice(old);
 }

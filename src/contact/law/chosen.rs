@@ -1,0 +1,154 @@
+//! A law with numbers: the layout of its coefficients, and the bounds that they give at the contact nodes.
+
+use super::{At, Coefficients, Given, Law, Misfit, Place, Wrong};
+use crate::contact::bounds::Bounds;
+use crate::contact::evaluation::{Evaluation, NodalLaw, Nodes, SlipPath};
+use crate::error::Result;
+
+/// A law with the coefficients of a scene, and how the numbers of such coefficients stand in one list.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChosenLaw {
+    law: Law,
+    places: Vec<Place>,
+    start: Vec<f64>,
+}
+
+impl ChosenLaw {
+    /// The law with its coefficients, each within its range, on a contact of so many nodes; where that is not known yet, fields
+    /// are only compared with each other.
+    ///
+    /// # Errors
+    /// A field that has not one number per node, a coefficient that does not fit the others.
+    pub fn new(
+        law: Law,
+        given: &[Given],
+        nodes: Option<usize>,
+    ) -> std::result::Result<ChosenLaw, Misfit> {
+        let mut nodes = nodes;
+        let (mut places, mut start) = (Vec::with_capacity(given.len()), Vec::new());
+        for (coefficient, given) in given.iter().enumerate() {
+            let count = given.values().len();
+            if let Given::Nodes(_) = given
+                && *nodes.get_or_insert(count) != count
+            {
+                return Err(Misfit {
+                    coefficient,
+                    wrong: Wrong::Count,
+                    found: count as f64,
+                    rule: "one number per contact node",
+                    allowed: format!("one number per contact node: {}", nodes.unwrap_or_default()),
+                    beside: None,
+                });
+            }
+            places.push(Place::new(start.len(), given));
+            start.extend_from_slice(given.values());
+        }
+        let chosen = ChosenLaw { law, places, start };
+        law.check(chosen.with(&chosen.start).coefficients)?;
+        Ok(chosen)
+    }
+
+    /// The law.
+    pub fn law(&self) -> Law {
+        self.law
+    }
+
+    /// Where the numbers of every coefficient stand in the list of all.
+    pub fn places(&self) -> &[Place] {
+        &self.places
+    }
+
+    /// The numbers of the scene.
+    pub fn start(&self) -> &[f64] {
+        &self.start
+    }
+
+    /// The bounds that other numbers give, all of them in the order of [`ChosenLaw::places`].
+    #[inline]
+    pub fn with<'a>(&'a self, values: &'a [f64]) -> LawBounds<'a> {
+        LawBounds {
+            law: self.law,
+            coefficients: Coefficients::new(self.law.coefficients(), &self.places, values),
+        }
+    }
+
+    /// The bounds of the scene.
+    pub fn bounds(&self) -> LawBounds<'_> {
+        self.with(&self.start)
+    }
+
+    /// Refuses numbers that a simulator cannot go on with: out of range, or at odds with each other.
+    ///
+    /// # Errors
+    /// [`crate::Error::Value`].
+    pub fn check(&self, values: &[f64]) -> Result<()> {
+        self.check_values(values)?;
+        let misfit = self.law.check(self.with(values).coefficients);
+        misfit.map_err(|misfit| self.law.refusal(misfit))
+    }
+
+    /// Refuses numbers that are out of the ranges of their coefficients.
+    ///
+    /// # Errors
+    /// [`crate::Error::Value`].
+    pub fn check_values(&self, values: &[f64]) -> Result<()> {
+        for (coefficient, place) in self.places.iter().enumerate() {
+            for value in &values[place.range()] {
+                self.law.check_value(coefficient, *value)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The bounds of a law with given coefficients.
+#[derive(Debug, Clone, Copy)]
+pub struct LawBounds<'a> {
+    law: Law,
+    coefficients: Coefficients<'a>,
+}
+
+impl LawBounds<'_> {
+    fn at(&self, node: usize, rate: f64, slip: SlipPath) -> At<'_> {
+        At {
+            rate,
+            slip,
+            coefficients: self.coefficients,
+            node,
+        }
+    }
+
+    /// L: the largest rate at which the bound of any node decreases with the slip rate, Pa s/m (5.16).
+    pub fn weakening(&self) -> f64 {
+        let nodes = self.coefficients.distinct_nodes();
+        let all = nodes.map(|node| self.law.weakening(self.coefficients, node));
+        all.fold(0.0, f64::max)
+    }
+
+    /// Largest and smallest bound of a node over all slip rates, Pa; see [`super::FrictionLaw::extremes`].
+    pub fn extremes(&self, node: usize) -> [f64; 2] {
+        self.law.extremes(self.coefficients, node)
+    }
+}
+
+impl Bounds for LawBounds<'_> {
+    fn evaluate(&self, node: usize, rate: f64, slip: SlipPath) -> Evaluation {
+        self.law.evaluate(&self.at(node, rate, slip))
+    }
+
+    fn at_rest(&self, node: usize, slip: SlipPath) -> f64 {
+        self.law.at_rest(&self.at(node, 0.0, slip))
+    }
+
+    fn slip_slope(&self, node: usize, rate: f64, slip: SlipPath) -> f64 {
+        self.law.slip_slope(&self.at(node, rate, slip))
+    }
+
+    fn fill(&self, nodes: Nodes, out: &mut NodalLaw) {
+        self.law.fill(self.coefficients, nodes, out);
+    }
+
+    fn largest_at_rest(&self, nodes: Nodes) -> f64 {
+        self.law.largest_at_rest(self.coefficients, nodes)
+    }
+}

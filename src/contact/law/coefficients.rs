@@ -1,0 +1,258 @@
+//! Coefficients of friction laws: how a law declares them, and their values as fields over the contact nodes.
+
+use crate::message::number;
+
+/// Values that a coefficient may have.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Range {
+    /// Least value.
+    pub least: f64,
+    /// Whether the least value itself is excluded.
+    pub is_open: bool,
+    /// The range in words, for errors.
+    pub allowed: &'static str,
+}
+
+impl Range {
+    pub const NOT_NEGATIVE: Range = Range {
+        least: 0.0,
+        is_open: false,
+        allowed: "a finite number >= 0",
+    };
+
+    /// Whether a number is in the range.
+    pub fn contains(&self, value: f64) -> bool {
+        let is_inside = if self.is_open {
+            value > self.least
+        } else {
+            value >= self.least
+        };
+        is_inside && value.is_finite()
+    }
+}
+
+/// What the numbers of a coefficient belong to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Extent {
+    /// To the contact nodes: one number for all, or one per node.
+    Nodes,
+    /// To the points of a curve, at least one: the same at all nodes.
+    Points,
+}
+
+/// A coefficient as its law declares it; the schema of scenes, validation, ports and FMU variables follow.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Coefficient {
+    /// Key in scenes, last part of the name of the port.
+    pub name: &'static str,
+    /// SI unit; `1` for a number.
+    pub unit: &'static str,
+    /// What every value must be, whatever the other coefficients are.
+    pub range: Range,
+    pub extent: Extent,
+    /// Value where a scene leaves it out; `None`: it must be given.
+    pub default: Option<f64>,
+    /// Meaning, unit and default, one sentence.
+    pub text: &'static str,
+}
+
+impl Coefficient {
+    /// A coefficient that must be given, one for all nodes or one per node.
+    pub const fn new(
+        name: &'static str,
+        unit: &'static str,
+        range: Range,
+        text: &'static str,
+    ) -> Coefficient {
+        Coefficient {
+            name,
+            unit,
+            range,
+            extent: Extent::Nodes,
+            default: None,
+            text,
+        }
+    }
+}
+
+/// A coefficient as a scene gives it.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Given {
+    /// One number for all nodes.
+    Number(f64),
+    /// One number per contact node.
+    Nodes(Vec<f64>),
+    /// The points of a curve.
+    Points(Vec<f64>),
+}
+
+impl Given {
+    /// The numbers.
+    pub fn values(&self) -> &[f64] {
+        match self {
+            Given::Number(value) => std::slice::from_ref(value),
+            Given::Nodes(values) | Given::Points(values) => values,
+        }
+    }
+}
+
+/// Where the numbers of a coefficient stand in the list of all of them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Place {
+    pub first: usize,
+    pub len: usize,
+    /// Whether it is an array: one number per node, or the points of a curve.
+    pub is_array: bool,
+    /// Bits of a node's number that choose its entry: all, or none where one number is that of all nodes.
+    mask: usize,
+}
+
+impl Place {
+    pub fn new(first: usize, given: &Given) -> Place {
+        let is_array = !matches!(given, Given::Number(_));
+        Place {
+            first,
+            len: given.values().len(),
+            is_array,
+            mask: if is_array { usize::MAX } else { 0 },
+        }
+    }
+
+    /// Places in the list of all numbers.
+    pub fn range(&self) -> std::ops::Range<usize> {
+        self.first..self.first + self.len
+    }
+}
+
+/// A coefficient over the contact nodes.
+#[derive(Debug, Clone, Copy)]
+pub struct Field<'a> {
+    values: &'a [f64],
+    mask: usize,
+}
+
+impl Field<'_> {
+    /// The value at a node.
+    #[inline(always)]
+    pub fn at(&self, node: usize) -> f64 {
+        self.values[node & self.mask]
+    }
+}
+
+/// All coefficients of a law.
+#[derive(Debug, Clone, Copy)]
+pub struct Coefficients<'a> {
+    declared: &'static [Coefficient],
+    places: &'a [Place],
+    values: &'a [f64],
+}
+
+impl<'a> Coefficients<'a> {
+    pub fn new(
+        declared: &'static [Coefficient],
+        places: &'a [Place],
+        values: &'a [f64],
+    ) -> Coefficients<'a> {
+        Coefficients {
+            declared,
+            places,
+            values,
+        }
+    }
+
+    /// The numbers of a coefficient, by its place in the declaration.
+    pub fn values(&self, coefficient: usize) -> &'a [f64] {
+        &self.values[self.places[coefficient].range()]
+    }
+
+    /// A coefficient as a field.
+    #[inline(always)]
+    pub fn field(&self, coefficient: usize) -> Field<'a> {
+        Field {
+            values: self.values(coefficient),
+            mask: self.places[coefficient].mask,
+        }
+    }
+
+    /// A coefficient at a node.
+    #[inline(always)]
+    pub fn at(&self, coefficient: usize, node: usize) -> f64 {
+        self.field(coefficient).at(node)
+    }
+
+    /// How many numbers each coefficient has that is given node by node.
+    fn nodal_lengths(&self) -> impl Iterator<Item = usize> {
+        let declared = self.declared.iter().zip(self.places);
+        let nodal = declared.filter(|(c, place)| c.extent == Extent::Nodes && place.is_array);
+        nodal.map(|(_, place)| place.len)
+    }
+
+    /// Whether the law is the same at all nodes.
+    pub fn is_uniform(&self) -> bool {
+        self.nodal_lengths().next().is_none()
+    }
+
+    /// Nodes at which the coefficients differ: the first one alone where the law is the same at all nodes.
+    pub fn distinct_nodes(&self) -> std::ops::Range<usize> {
+        0..self.nodal_lengths().max().unwrap_or(1)
+    }
+
+    /// The rule that one coefficient is at least as large as another at every node; `rule` says so with their names.
+    ///
+    /// # Errors
+    /// The first node where it is not.
+    pub fn at_least(
+        &self,
+        larger: usize,
+        smaller: usize,
+        rule: &'static str,
+    ) -> Result<(), Misfit> {
+        let is_array = self.places[larger].is_array || self.places[smaller].is_array;
+        for node in 0..self.places[larger].len.max(self.places[smaller].len) {
+            let (found, least) = (self.at(larger, node), self.at(smaller, node));
+            if found < least {
+                let name = self.declared[smaller].name;
+                return Err(Misfit {
+                    coefficient: larger,
+                    wrong: if is_array {
+                        Wrong::Entry(node)
+                    } else {
+                        Wrong::Number
+                    },
+                    found,
+                    rule,
+                    allowed: format!("at least {name} = {}", number(least)),
+                    beside: Some((smaller, least)),
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Where a coefficient is wrong.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Wrong {
+    /// The number that is that of all nodes.
+    Number,
+    /// The number of a node, or the point of a curve.
+    Entry(usize),
+    /// How many numbers there are.
+    Count,
+}
+
+/// Why coefficients do not fit each other.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Misfit {
+    /// The coefficient that is wrong.
+    pub coefficient: usize,
+    pub wrong: Wrong,
+    /// The number, or how many there are.
+    pub found: f64,
+    /// The rule that is violated, as a formula.
+    pub rule: &'static str,
+    /// What it may be beside the others.
+    pub allowed: String,
+    /// The coefficient that it does not fit, and its value.
+    pub beside: Option<(usize, f64)>,
+}

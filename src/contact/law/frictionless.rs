@@ -1,0 +1,36 @@
+//! No tangential stress: `g = 0`.
+
+use super::{At, Coefficient, Coefficients, Form, FrictionLaw};
+use crate::contact::evaluation::Evaluation;
+
+pub struct Frictionless;
+
+impl FrictionLaw for Frictionless {
+    fn name(&self) -> &'static str {
+        "frictionless"
+    }
+
+    fn form(&self) -> Form {
+        Form::Law
+    }
+
+    fn text(&self) -> &'static str {
+        "No tangential stress."
+    }
+
+    fn coefficients(&self) -> &'static [Coefficient] {
+        &[]
+    }
+
+    fn evaluate(&self, _at: &At) -> Evaluation {
+        Evaluation::default()
+    }
+
+    fn weakening(&self, _coefficients: Coefficients, _node: usize) -> f64 {
+        0.0
+    }
+
+    fn extremes(&self, _coefficients: Coefficients, _node: usize) -> [f64; 2] {
+        [0.0; 2]
+    }
+}

@@ -1,0 +1,209 @@
+//! What holds for every law in the list: formulas against each other, solves of random contact problems, whole scenes.
+
+#[path = "../common/mod.rs"]
+mod common;
+mod problems;
+mod quadrature;
+mod scenes;
+
+use common::random::Random;
+use quadrature::integral;
+use stickslip::contact::SlipPath;
+use stickslip::contact::bounds::Bounds;
+use stickslip::contact::evaluation::{NodalLaw, Nodes};
+use stickslip::contact::law::{ChosenLaw, Coefficient, Extent, Given, LAWS, Law};
+
+const STILL: SlipPath = SlipPath {
+    base: 0.0,
+    per_rate: 0.0,
+};
+
+/// A law with random coefficients, drawn from what it declares; with `nodes` some of them are fields.
+pub fn draw(law: Law, random: &mut Random, nodes: Option<usize>) -> ChosenLaw {
+    loop {
+        let given: Vec<Given> = law
+            .coefficients()
+            .iter()
+            .map(|declared| given(declared, random, nodes))
+            .collect();
+        if let Ok(chosen) = ChosenLaw::new(law, &given, nodes) {
+            return chosen;
+        }
+    }
+}
+
+fn given(declared: &Coefficient, random: &mut Random, nodes: Option<usize>) -> Given {
+    let (low, high) = match declared.unit {
+        "Pa" => (-3.0, -0.5),
+        "s/m" => (-1.0, 3.0),
+        _ => (-2.0, 0.5),
+    };
+    let count = match (declared.extent, nodes) {
+        (Extent::Points, _) => 6,
+        (Extent::Nodes, Some(nodes)) if random.happens(0.5) => nodes,
+        _ => 1,
+    };
+    let one = |_| declared.range.least + 10.0_f64.powf(random.between(low, high));
+    let mut values: Vec<f64> = (0..count).map(one).collect();
+    match declared.extent {
+        Extent::Nodes if count == 1 => Given::Number(values[0]),
+        Extent::Nodes => Given::Nodes(values),
+        Extent::Points => {
+            if random.happens(0.5) {
+                values.sort_by(f64::total_cmp);
+            }
+            Given::Points(values)
+        }
+    }
+}
+
+/// Where a curve of points may have kinks, which no quadrature may step over: in order.
+fn kinks(chosen: &ChosenLaw) -> Vec<f64> {
+    let declared = chosen.law().coefficients().iter().zip(chosen.places());
+    let points = declared.filter(|(declared, _)| declared.extent == Extent::Points);
+    let mut kinks: Vec<f64> = points
+        .flat_map(|(_, place)| chosen.start()[place.range()].to_vec())
+        .collect();
+    kinks.sort_by(f64::total_cmp);
+    kinks
+}
+
+/// The pieces of an interval between kinks.
+fn pieces(kinks: &[f64], from: f64, to: f64) -> impl Iterator<Item = [f64; 2]> {
+    let inside = kinks.iter().copied().filter(move |k| *k > from && *k < to);
+    let mut ends = vec![from];
+    ends.extend(inside);
+    ends.push(to);
+    (1..ends.len()).map(move |i| [ends[i - 1], ends[i]])
+}
+
+/// Slope, potential, weakening and extremes are derivative, integral, steepest fall and range of the bound.
+#[test]
+fn formulas_of_a_law_agree() {
+    let mut random = Random::new(7);
+    for law in LAWS {
+        let mut seen = 0.0_f64;
+        for case in 0..150 {
+            let chosen = draw(*law, &mut random, None);
+            let label = format!("{law:?} {:?} {case}: {:?}", law.form(), chosen.start());
+            let kinks = kinks(&chosen);
+            let bounds = chosen.bounds();
+            let at = |rate: f64| bounds.evaluate(0, rate, STILL);
+            let bound = |rate: f64| at(rate).bound;
+            assert_eq!(at(0.0).potential, 0.0, "{label}");
+            assert_eq!(bound(0.0), bounds.at_rest(0, STILL), "{label}");
+            let rates: Vec<f64> = (0..=240)
+                .map(|i| 10.0_f64.powf(-8.0 + f64::from(i) / 20.0))
+                .collect();
+            let (mut potential, mut steepest) = (0.0, 0.0_f64);
+            let [largest, smallest] = bounds.extremes(0);
+            let mut before = 0.0;
+            for rate in rates {
+                let found = at(rate);
+                potential += pieces(&kinks, before, rate)
+                    .map(|[a, b]| integral(&bound, a, b))
+                    .sum::<f64>();
+                let scale = potential + bound(0.0) * rate;
+                assert!(
+                    (found.potential - potential).abs() <= 1e-13 * scale,
+                    "{label}: potential at {rate:e}"
+                );
+                assert!(
+                    found.bound >= smallest - 1e-15 * bound(0.0)
+                        && found.bound <= largest * (1.0 + 1e-14),
+                    "{label}: {rate:e}"
+                );
+                // a difference, where no kink is near
+                let d = 1e-5 * rate;
+                let slopes = [at(rate - d).slope, at(rate + d).slope];
+                let difference = (bound(rate + d) - bound(rate - d)) / (2.0 * d);
+                let size = found.bound / rate;
+                if (slopes[0] - slopes[1]).abs() <= 1e-4 * (slopes[0].abs() + size) {
+                    assert!(
+                        (found.slope - difference).abs() <= 1e-8 * size + 1e-6 * found.slope.abs(),
+                        "{label}: slope {:e}, {difference:e} at {rate:e}",
+                        found.slope
+                    );
+                }
+                // between two rates the mean slope is not steeper than the steepest
+                let mean = (bound(before) - found.bound) / (rate - before);
+                let l = bounds.weakening();
+                assert!(
+                    mean <= l * (1.0 + 1e-9) + 1e-12 * bound(0.0) / rate,
+                    "{label}: {mean:e} {l:e}"
+                );
+                steepest = steepest.max(-found.slope);
+                before = rate;
+                seen += found.bound;
+            }
+            // and it is reached: rates are 12 % apart
+            assert!(steepest <= bounds.weakening() * (1.0 + 1e-12), "{label}");
+            assert!(
+                steepest >= 0.98 * bounds.weakening(),
+                "{label}: {steepest:e} of {:e}",
+                bounds.weakening()
+            );
+        }
+        assert!(seen > 0.0 || law.name() == "frictionless");
+    }
+}
+
+/// All nodes at once are the nodes one by one, whether coefficients are numbers or fields.
+#[test]
+fn all_nodes_at_once_are_the_nodes_one_by_one() {
+    let mut random = Random::new(11);
+    for law in LAWS {
+        for nodes in [None, Some(13)] {
+            for _ in 0..20 {
+                let chosen = draw(*law, &mut random, nodes);
+                let bounds = chosen.bounds();
+                let mut list =
+                    || -> Vec<f64> { (0..13).map(|_| random.between(1e-4, 2.0)).collect() };
+                let (weights, mut rates, slip_base) = (list(), list(), list());
+                rates[3] = 0.0;
+                let at = Nodes {
+                    weights: &weights,
+                    rates: &rates,
+                    slip_base: &slip_base,
+                    per_rate: 0.1,
+                };
+                let mut all = NodalLaw::new(13);
+                bounds.fill(at, &mut all);
+                let mut at_rest = 0.0_f64;
+                for node in 0..13 {
+                    let slip = SlipPath {
+                        base: slip_base[node],
+                        per_rate: 0.1,
+                    };
+                    let one = bounds.evaluate(node, rates[node], slip);
+                    assert_eq!(all.bound[node], weights[node] * one.bound, "{law:?}");
+                    assert_eq!(all.slope[node], weights[node] * one.slope, "{law:?}");
+                    assert_eq!(
+                        all.potential[node],
+                        weights[node] * one.potential,
+                        "{law:?}"
+                    );
+                    at_rest = at_rest.max(weights[node] * bounds.at_rest(node, slip));
+                }
+                assert_eq!(bounds.largest_at_rest(at), at_rest, "{law:?}");
+            }
+        }
+    }
+}
+
+/// `a + (a - b) expm1` would leave only what rounding of `a` leaves: 7e-5 of the bound at the first of these rates.
+#[test]
+fn a_bound_far_below_the_static_one_keeps_its_digits() {
+    let (a, alpha) = (0.002_915_296_635_569_256, 15.905_690_361_416_516);
+    let law = LAWS.iter().find(|law| law.name() == "exponential").unwrap();
+    for b in [0.0, 1.829_174_241_068_124_5e-13] {
+        let chosen = ChosenLaw::new(*law, &[a, b, alpha].map(Given::Number), None).unwrap();
+        for rate in [1.752_592_413_445_908_5, 0.6, 5.0, 40.0] {
+            let found = chosen.bounds().evaluate(0, rate, STILL);
+            let right = b + (a - b) * (-alpha * rate).exp();
+            let slope = -alpha * (a - b) * (-alpha * rate).exp();
+            assert!((found.bound / right - 1.0).abs() < 1e-12, "{right:e}");
+            assert!((found.slope / slope - 1.0).abs() < 1e-12);
+        }
+    }
+}
