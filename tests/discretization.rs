@@ -100,7 +100,7 @@ fn quadratic_fields_pass_the_patch_test_on_a_distorted_turned_mesh() {
         *node = (turn * point).into();
     }
     let body = Body::assemble_on(&scene, mesh).unwrap();
-    assert_eq!(body.mesh.element, ElementKind::P2);
+    assert_eq!(body.mesh.element.kind, ElementKind::P2);
 
     let back = |p: [f64; 3]| plane(turn.inverse() * Vector3::from(p));
     let exact = |p: [f64; 3]| {
@@ -300,13 +300,13 @@ fn graded_bodies_end_exactly_and_keep_their_size() {
     for mesh in [plate, block] {
         let mesh: MeshSpec = serde_json::from_value(mesh).unwrap();
         let body = Mesh::generate(&mesh).unwrap();
-        for (axis, &length) in mesh.size().iter().enumerate() {
+        for (axis, &length) in mesh.grid().size.iter().enumerate() {
             let places = || body.nodes.iter().map(move |p| p[axis]);
             assert_eq!(places().fold(f64::INFINITY, f64::min), 0.0);
             assert_eq!(places().fold(0.0, f64::max), length);
         }
         let volume: f64 = body.cells().map(|c| Simplex::new(&body, c).volume).sum();
-        let exact: f64 = mesh.size().iter().product();
+        let exact: f64 = mesh.grid().size.iter().product();
         assert!((volume / exact - 1.0).abs() < 1e-14);
     }
 }

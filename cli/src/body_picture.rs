@@ -17,7 +17,7 @@ pub fn draw(
     compilation: &Compilation,
     simulator: &Simulator,
 ) -> Result<(), Failure> {
-    let &[width, height] = scene.mesh.size() else {
+    let &[width, height] = scene.mesh.grid().size else {
         return Ok(());
     };
     let body = &compilation.body;

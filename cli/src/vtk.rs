@@ -5,11 +5,11 @@
 
 use crate::course::Frame;
 use crate::failure::Failure;
+use num_traits::FromPrimitive;
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use stickslip::fem::Body;
-use stickslip::scene::ElementKind;
 use stickslip::{Compilation, Simulator};
 use vtkio::model::{
     Attribute, Attributes, ByteOrder, CellType, Cells, DataSet, UnstructuredGridPiece, Version,
@@ -125,17 +125,13 @@ fn is_of_series(file: &str, stem: &str) -> bool {
 
 fn cells(body: &Body) -> Cells {
     let mesh = &body.mesh;
-    let count = mesh.nodes_per_cell() as u32;
+    let count = mesh.element.nodes as u32;
     let vertices = mesh
         .cells()
         .flat_map(|cell| [count].into_iter().chain(cell.iter().copied()))
         .collect();
     // midside nodes have the order of VTK
-    let kind = match (mesh.dimension, mesh.element) {
-        (2, ElementKind::P1) => CellType::Triangle,
-        (2, ElementKind::P2) => CellType::QuadraticTriangle,
-        _ => CellType::Tetra,
-    };
+    let kind = CellType::from_u8(mesh.element.vtk).unwrap_or(CellType::ConvexPointSet);
     Cells {
         cell_verts: VertexNumbers::Legacy {
             num_cells: mesh.cell_count() as u32,

@@ -1,7 +1,6 @@
 //! What the instances of an FMU share: the scene with its parameters, the compiled model, the variables.
 
 use crate::fault::{Fault, Outcome};
-use crate::parameters;
 use crate::variables::Variables;
 use std::path::Path;
 use std::sync::Arc;
@@ -31,10 +30,11 @@ pub struct Component {
 impl Component {
     /// Of a scene text and its model.
     pub fn new(scene_text: String, model: Arc<Model>) -> Component {
-        let parameters = parameters::values(model.scene());
+        let variables = Variables::new(&model);
+        let parameters = variables.parameters().values(model.scene());
         Component {
             scene_text,
-            variables: Variables::new(&model),
+            variables,
             origin: parameters.clone(),
             parameters,
             model,
@@ -65,7 +65,7 @@ impl Component {
 
     /// The same FMU with other values of the fixed parameters.
     pub fn with_parameters(&self, values: &[f64], share: Share) -> Outcome<Arc<Component>> {
-        let mut changes = parameters::overrides(&self.origin, values);
+        let mut changes = self.variables.parameters().overrides(&self.origin, values);
         // the variables of an FMU do not change: an output that follows from a parameter stays as it was packed
         let has_estimate = self.model.scene().time.estimates_error();
         changes.push(("time.error_estimate".into(), has_estimate.to_string()));

@@ -6,7 +6,6 @@ mod version3;
 
 use crate::component::token;
 use crate::log::Category;
-use crate::parameters;
 use crate::variables::{Follows, Role, Variable, Variables};
 use crate::xml::Xml;
 use std::collections::BTreeSet;
@@ -81,7 +80,8 @@ pub fn start_values(model: &Arc<Model>, variables: &Variables) -> stickslip::Res
             simulator.get(port, &mut start[variable.range()])?;
         }
     }
-    start[variables.first_parameter()..].copy_from_slice(&parameters::values(model.scene()));
+    start[variables.first_parameter()..]
+        .copy_from_slice(&variables.parameters().values(model.scene()));
     Ok(start)
 }
 

@@ -158,7 +158,11 @@ impl Instance {
                 "stop time {stop}: expected a finite number that is not before the start time {start}"
             )));
         }
-        if let Some(place) = parameters::place("time.tolerance")
+        if let Some(place) = self
+            .component
+            .variables
+            .parameters()
+            .place("time.tolerance")
             && let Some(tolerance) = tolerance
             && self.parameters[place] != 0.0
         {
@@ -203,7 +207,9 @@ impl Instance {
     fn compile(&mut self) -> Outcome {
         if parameters::is_other_model(&self.parameters, &self.component.parameters) {
             let component = self.component_of(&self.parameters)?;
-            let names: Vec<_> = parameters::overrides(&self.component.parameters, &self.parameters)
+            let list = self.component.variables.parameters();
+            let changes = list.overrides(&self.component.parameters, &self.parameters);
+            let names: Vec<_> = changes
                 .into_iter()
                 .map(|(path, value)| format!("{path} = {value}"))
                 .collect();

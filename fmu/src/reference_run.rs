@@ -42,7 +42,9 @@ pub fn reference_run(scene: &Scene, model: &Arc<Model>) -> Result<ReferenceRun> 
     };
     let (mut inputs, mut outputs) = (header(Role::Input), header(Role::Output));
     let mut simulator = Simulator::new(Arc::clone(model));
-    simulator.set_inputs_meaning(parameters::inputs_meaning(&parameters::values(scene)))?;
+    simulator.set_inputs_meaning(parameters::inputs_meaning(
+        &variables.parameters().values(scene),
+    ))?;
     let mut values = vec![0.0; simulator.output_len()];
     let mut drive = Drive::start(scene, &mut simulator)?;
     let step = drive.points().step;

@@ -6,7 +6,6 @@
 
 use crate::component::Component;
 use crate::fault::{Fault, Outcome};
-use crate::parameters::PARAMETERS;
 use crate::phase::Phase;
 use std::sync::Arc;
 use stickslip::{Simulator, State};
@@ -14,8 +13,8 @@ use xxhash_rust::xxh3::xxh3_64;
 
 const MAGIC: &[u8; 8] = b"SLIPFMUS";
 const FORMAT: u64 = 3;
-/// Words before the state: magic, format, phase, start and stop time, parameters, length.
-const HEADER: usize = 5 + PARAMETERS.len() + 1;
+/// Words before the state, the parameters apart: magic, format, phase, start and stop time, length.
+const HEADER: usize = 6;
 
 /// A saved state.
 pub struct Saved {
@@ -31,7 +30,7 @@ pub struct Saved {
 impl Saved {
     /// Length of [`Saved::to_bytes`].
     pub fn byte_len(&self) -> usize {
-        8 * (HEADER + 1) + self.state.byte_len()
+        8 * (HEADER + self.parameters.len() + 1) + self.state.byte_len()
     }
 
     pub fn to_bytes(&self) -> Vec<u8> {
@@ -56,13 +55,16 @@ impl Saved {
         out
     }
 
-    /// Reads [`Saved::to_bytes`] for an FMU; `component_of` gives its component for a set of fixed parameters.
+    /// Reads [`Saved::to_bytes`] for an FMU with this number of fixed parameters; `component_of` gives its component for a set of
+    /// them.
     pub fn from_bytes(
         bytes: &[u8],
+        parameters: usize,
         component_of: impl FnOnce(&[f64]) -> Outcome<Arc<Component>>,
     ) -> Outcome<Saved> {
         let refuse = |what: &str| Err(Fault::error(format!("serialized FMU state: {what}")));
-        if bytes.len() < 8 * (HEADER + 1) || &bytes[..8] != MAGIC {
+        let header = HEADER + parameters;
+        if bytes.len() < 8 * (header + 1) || &bytes[..8] != MAGIC {
             return refuse("these bytes are not one, or are truncated");
         }
         let (body, checksum) = bytes.split_at(bytes.len() - 8);
@@ -85,13 +87,13 @@ impl Saved {
         if !start_time.is_finite() || stop_time.is_nan() {
             return refuse("its start or stop time is not a number");
         }
-        let parameters: Vec<f64> = (5..HEADER - 1).map(float).collect();
-        if word(HEADER - 1) != (body.len() - 8 * HEADER) as u64 {
+        let parameters: Vec<f64> = (5..header - 1).map(float).collect();
+        if word(header - 1) != (body.len() - 8 * header) as u64 {
             return refuse("of an FMU with other inputs");
         }
         let component = component_of(&parameters)?;
         let mut simulator = Simulator::new(Arc::clone(&component.model));
-        simulator.restore_bytes(&body[8 * HEADER..])?;
+        simulator.restore_bytes(&body[8 * header..])?;
         let mut state = simulator.new_state();
         simulator.save(&mut state)?;
         Ok(Saved {

@@ -4,7 +4,7 @@
 //! reference of a scalar (and of every element of an array in FMI 2) is its place in this list, so that a getter over
 //! consecutive references is a copy. An array variable of FMI 3 has the reference [`ARRAY_BASE`] plus its number.
 
-use crate::parameters::{CHOICES, Kind, PARAMETERS};
+use crate::parameters::{Kind, Parameters, choices};
 use std::ops::Range;
 use stickslip::Model;
 use stickslip::ports::{Causality, Quantity};
@@ -142,6 +142,8 @@ pub struct Variables {
     owner: Vec<u32>,
     /// First place of the choices: before it the list holds numbers, from it on enumerations.
     choices: usize,
+    /// The fixed parameters, the last variables of the list.
+    parameters: Parameters,
 }
 
 impl Variables {
@@ -150,6 +152,7 @@ impl Variables {
             list: Vec::new(),
             owner: Vec::new(),
             choices: 0,
+            parameters: Parameters::of(model.scene()),
         };
         let time = "Time of the simulation.".to_owned();
         all.add("time".into(), time, "s", Role::Time, Vec::new());
@@ -171,7 +174,7 @@ impl Variables {
                 last.follows = Follows::of(port.quantity);
             }
         }
-        for parameter in &PARAMETERS {
+        for parameter in all.parameters.all().to_vec() {
             let unit = match parameter.kind {
                 Kind::Real(unit) | Kind::Optional(unit) => unit,
                 Kind::Choice(_) => "1",
@@ -180,7 +183,7 @@ impl Variables {
                 all.choices = all.len();
             }
             let text = parameter.description.to_owned();
-            all.add(parameter.path.into(), text, unit, Role::Fixed, Vec::new());
+            all.add(parameter.path, text, unit, Role::Fixed, Vec::new());
             if let (Kind::Choice(list), Some(last)) = (parameter.kind, all.list.last_mut()) {
                 last.choice = Some(list);
             }
@@ -254,7 +257,12 @@ impl Variables {
 
     /// First place of the fixed parameters.
     pub fn first_parameter(&self) -> usize {
-        self.len() - PARAMETERS.len()
+        self.len() - self.parameters.all().len()
+    }
+
+    /// The fixed parameters.
+    pub fn parameters(&self) -> &Parameters {
+        &self.parameters
     }
 
     /// The variable of a place in the flat list.
@@ -295,8 +303,13 @@ impl Variables {
         }
     }
 
+    /// Name of an enumeration type.
+    pub fn choice_name(choice: usize) -> &'static str {
+        choices()[choice].name
+    }
+
     /// Words of an enumeration type.
     pub fn words(choice: usize) -> &'static [&'static str] {
-        CHOICES[choice].words
+        choices()[choice].words
     }
 }

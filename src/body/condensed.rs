@@ -63,6 +63,10 @@ impl BodyModel for Condensed {
         self.0.operators.product(x, x)
     }
 
+    fn strain_square(&self, x: &[f64]) -> f64 {
+        self.0.strain_square(x)
+    }
+
     fn outputs(&self, x: &[f64], out: &mut [f64]) {
         self.0.outputs(x, out);
     }

@@ -3,7 +3,7 @@
 use crate::body::{Scratch, Stage};
 use crate::bytes::{LARGEST, Reader, Writer, is_usable};
 use crate::error::Result;
-use crate::fem::{Body, OperatorPair};
+use crate::fem::{Body, OperatorPair, StrainNorm};
 use crate::linalg::{DenseCholesky, SparseCholesky};
 
 /// Right-hand sides solved together when the contact compliance is built.
@@ -16,6 +16,8 @@ pub type SparseVector = Vec<(usize, f64)>;
 pub struct Field {
     pub operators: OperatorPair,
     pub cholesky: SparseCholesky,
+    /// Entries of the strain norm, where it is no combination of the operators.
+    pub strain: Option<Vec<f64>>,
     pub contact_len: usize,
     /// Load columns F.
     pub loads: Vec<SparseVector>,
@@ -35,6 +37,10 @@ impl Field {
         )?;
         Ok(Field {
             cholesky,
+            strain: match &body.strain {
+                StrainNorm::Combination(..) => None,
+                StrainNorm::Assembled(values) => Some(values.clone()),
+            },
             contact_len: body.contact_len(),
             loads: body.loads.iter().map(|l| l.entries.clone()).collect(),
             probes: body
@@ -76,6 +82,12 @@ impl Field {
         }
     }
 
+    /// The square of the strain norm, where it is assembled.
+    pub fn strain_square(&self, x: &[f64]) -> f64 {
+        let values = self.strain.as_deref();
+        values.map_or(f64::NAN, |values| self.operators.square(values, x))
+    }
+
     pub fn outputs(&self, x: &[f64], out: &mut [f64]) {
         for (out, row) in out.iter_mut().zip(self.loads.iter().chain(&self.probes)) {
             *out = row.iter().map(|&(dof, value)| value * x[dof]).sum();
@@ -107,7 +119,8 @@ impl Field {
             .chain(&self.probes)
             .map(|v| 2 * v.len())
             .sum();
-        word * (3 * self.operators.row_idx.len() + self.len() + vectors)
+        let strain = self.strain.as_ref().map_or(0, Vec::len);
+        word * (3 * self.operators.row_idx.len() + strain + self.len() + vectors)
     }
 
     pub fn write(&self, out: &mut Writer) {
@@ -117,6 +130,7 @@ impl Field {
         out.indices(self.cholesky.order());
         out.floats(&operators.a);
         out.floats(&operators.b);
+        self.strain.iter().for_each(|values| out.floats(values));
         for vector in self.loads.iter().chain(&self.probes) {
             out.word(vector.len() as u64);
             for &(dof, value) in vector {
@@ -126,7 +140,8 @@ impl Field {
         }
     }
 
-    /// Reads what [`Field::write`] wrote, for the given numbers of free dofs, contact components, loads and outputs.
+    /// Reads what [`Field::write`] wrote, for the given numbers of free dofs, contact components, loads and outputs, with or
+    /// without a strain norm.
     ///
     /// # Errors
     /// [`crate::Error::Bytes`].
@@ -136,11 +151,16 @@ impl Field {
         contact_len: usize,
         loads: usize,
         outputs: usize,
+        has_strain: bool,
     ) -> Result<Field> {
         let col_ptr = from.indices(usize::MAX)?;
         let row_idx = from.indices(n)?;
         let order = from.indices(n)?;
         let (a, b) = (from.finite()?, from.finite()?);
+        let strain = match has_strain {
+            true => Some(from.finite()?),
+            false => None,
+        };
         let entries = row_idx.len();
         let is_lower_triangle = col_ptr.len() == n.saturating_add(1)
             && col_ptr[0] == 0
@@ -151,7 +171,10 @@ impl Field {
                     rows.first() == Some(&column) && rows.windows(2).all(|r| r[0] < r[1])
                 })
             });
-        if !is_lower_triangle || a.len() != entries || b.len() != entries || contact_len > n {
+        let is_complete = a.len() == entries
+            && b.len() == entries
+            && strain.as_ref().is_none_or(|values| values.len() == entries);
+        if !is_lower_triangle || !is_complete || contact_len > n {
             return Err(Reader::refusal("the pattern of the operators is not one"));
         }
         let diagonal = || col_ptr[..n].iter().copied();
@@ -176,6 +199,7 @@ impl Field {
         let probes = vectors.split_off(loads);
         Ok(Field {
             cholesky: SparseCholesky::with_order(&col_ptr, &row_idx, order, contact_len)?,
+            strain,
             contact_len,
             loads: vectors,
             probes,

@@ -77,6 +77,8 @@ pub trait BodyModel: Send + Sync {
     );
     /// `(x.A x, x.B x)`.
     fn products(&self, x: &[f64]) -> (f64, f64);
+    /// The square of `|eps(x)|` in L2, for a body of several materials, whose strain norm no combination of A and B is.
+    fn strain_square(&self, x: &[f64]) -> f64;
     /// Linear outputs of a displacement or velocity: work-conjugate integrals of the loads, then the probes.
     fn outputs(&self, x: &[f64], out: &mut [f64]);
     /// Multiplications of one [`BodyModel::predict`] and one [`BodyModel::correct`].

@@ -21,6 +21,8 @@ pub struct Reduced {
     pub outputs: Mat<f64>,
     /// How many of the outputs are loads.
     pub loads: usize,
+    /// The strain norm (states x states), where the friction solver measures in it and it is no combination of A and B.
+    pub strain: Option<Mat<f64>>,
 }
 
 impl BodyModel for Reduced {
@@ -92,6 +94,20 @@ impl BodyModel for Reduced {
         modal::squares(x, &self.rates)
     }
 
+    fn strain_square(&self, x: &[f64]) -> f64 {
+        let Some(strain) = &self.strain else {
+            return f64::NAN;
+        };
+        let of_column = |column: faer::ColRef<f64>| -> f64 {
+            column.iter().zip(x).map(|(value, x)| value * x).sum()
+        };
+        strain
+            .col_iter()
+            .zip(x)
+            .map(|(column, x)| of_column(column) * x)
+            .sum()
+    }
+
     fn outputs(&self, x: &[f64], out: &mut [f64]) {
         multiply_transposed(self.outputs.as_ref(), x, out);
     }
@@ -104,13 +120,17 @@ impl BodyModel for Reduced {
 
     fn bytes(&self) -> usize {
         let numbers = self.rates.len() * (1 + self.outputs.ncols());
-        numbers * std::mem::size_of::<f64>() + self.contact.bytes()
+        let strain = self.strain.as_ref().map_or(0, |m| m.nrows() * m.ncols());
+        (numbers + strain) * std::mem::size_of::<f64>() + self.contact.bytes()
     }
 
     fn write(&self, out: &mut Writer) {
         out.floats(&self.rates);
         self.contact.write(out);
         out.matrix(self.outputs.as_ref());
+        self.strain
+            .iter()
+            .for_each(|strain| out.matrix(strain.as_ref()));
     }
 }
 
@@ -125,7 +145,8 @@ impl Reduced {
         compliance
     }
 
-    /// Reads what [`BodyModel::write`] wrote, for the given numbers of contact components, loads and outputs.
+    /// Reads what [`BodyModel::write`] wrote, for the given numbers of contact components, loads and outputs, with or without a
+    /// strain norm.
     ///
     /// # Errors
     /// [`Error::Bytes`].
@@ -135,6 +156,7 @@ impl Reduced {
         loads: usize,
         outputs: usize,
         precision: Precision,
+        has_strain: bool,
     ) -> Result<Reduced> {
         let rates = from.finite()?;
         // fewer modes than contact components leave some of them without any motion
@@ -148,6 +170,10 @@ impl Reduced {
         Ok(Reduced {
             contact: StoredMatrix::read(from, is_single, (rates.len(), contact))?,
             outputs: from.matrix(rates.len(), outputs)?,
+            strain: match has_strain {
+                true => Some(from.matrix(rates.len(), rates.len())?),
+                false => None,
+            },
             loads,
             rates,
         })

@@ -4,13 +4,16 @@
 //! its bound; a body that can still slide or turn rigidly gives a singular A, which its Cholesky factorization finds as a
 //! pivot that is not positive.
 
+use super::cell::Simplex;
 use super::dofs::DofMap;
-use super::element::{IsotropicForm, Simplex};
 use super::loads::{LoadColumn, ProbeRows, load_columns, probe_rows};
-use super::material;
 use super::operators::OperatorPair;
+use super::strain::StrainNorm;
 use crate::error::{Error, Result};
+use crate::material::Form;
 use crate::mesh::Mesh;
+use crate::message::cut;
+use crate::refusal::scene_error;
 use crate::scene::Scene;
 
 /// The contact nodes, in the order of their components (the last `nodes.len() * components` free components).
@@ -46,11 +49,11 @@ pub struct Body {
     pub loads: Vec<LoadColumn>,
     /// Rows of each probe of the scene, in its order.
     pub probes: Vec<ProbeRows>,
-    /// Viscosity A, Pa s.
-    pub viscosity: IsotropicForm,
-    /// Elasticity B, Pa.
-    pub elasticity: IsotropicForm,
-    /// Smallest and largest relaxation rate of the material, 1/s: bounds of all eigenvalues of `A^-1 B`.
+    /// Viscosity A (Pa s) and elasticity B (Pa) of every region of the mesh.
+    pub forms: Vec<[Form; 2]>,
+    /// The strain norm.
+    pub strain: StrainNorm,
+    /// Smallest and largest relaxation rate of the materials, 1/s: bounds of all eigenvalues of `A^-1 B`.
     pub element_rates: [f64; 2],
 }
 
@@ -66,10 +69,14 @@ impl Body {
     /// Assembles the body on a given mesh, which gets the element of the scene; the mesh of the scene is not looked at.
     ///
     /// # Errors
-    /// Those of [`Mesh::for_element`]; [`Error::Scene`] for a part the mesh does not have, a direction without length, a tangent normal to the contact or a
-    /// probe outside the body; [`Error::Body`] for a cell without positive volume or a contact part that is clamped.
+    /// Those of [`Mesh::for_element`]; [`Error::Scene`] for a part the mesh does not have, a contact part that is clamped or whose
+    /// element has no friction, a region without a material, a direction without length, a tangent normal to the contact or a
+    /// probe outside the body; [`Error::Body`] for a cell without positive volume.
     pub fn assemble_on(scene: &Scene, mesh: Mesh) -> Result<Body> {
         let mesh = mesh.for_element(scene.element)?;
+        if let Some((found, allowed)) = mesh.element.contact_fault() {
+            return Err(scene_error("element", found, allowed));
+        }
         for (index, cell) in mesh.cells().enumerate() {
             let volume = Simplex::new(&mesh, cell).volume;
             if !(volume.is_finite() && volume > 0.0) {
@@ -78,19 +85,17 @@ impl Body {
                 });
             }
         }
-        let form = |(lambda, two_mu)| IsotropicForm { lambda, two_mu };
-        let viscosity = form(scene.material.viscosity.coefficients());
-        let elasticity = form(scene.material.elasticity.coefficients());
+        let forms = forms(scene, &mesh)?;
         let dofs = DofMap::new(scene, &mesh)?;
-        let operators = OperatorPair::from_elements(&mesh, &dofs, viscosity, elasticity);
+        let operators = OperatorPair::from_elements(&mesh, &dofs, &forms);
         Ok(Body {
             operators,
             contact: contact_patch(scene, &mesh, &dofs)?,
             loads: load_columns(scene, &mesh, &dofs)?,
             probes: probe_rows(scene, &mesh, &dofs)?,
-            element_rates: material::rates(viscosity, elasticity, mesh.dimension),
-            viscosity,
-            elasticity,
+            strain: StrainNorm::new(&mesh, &dofs, &forms),
+            element_rates: rates(&forms, mesh.dimension),
+            forms,
             mesh,
             dofs,
         })
@@ -124,12 +129,60 @@ impl Body {
         places
     }
 
+    /// `|eps(u)|` in L2 of a field of free components.
+    pub fn strain_norm(&self, field: &[f64]) -> f64 {
+        let squared = match &self.strain {
+            StrainNorm::Combination(x, y) => {
+                let (a, b) = self.operators.product(field, field);
+                x * a + y * b
+            }
+            StrainNorm::Assembled(values) => self.operators.square(values, field),
+        };
+        // the difference of two positive terms may round below zero
+        squared.max(0.0).sqrt()
+    }
+
     /// Vectors at all nodes (global axes; z = 0 in 2D) of a field of free components: displacements or velocities.
     pub fn displacement(&self, field: &[f64]) -> Vec<[f64; 3]> {
         (0..self.mesh.nodes.len() as u32)
             .map(|node| self.dofs.vector(node, field))
             .collect()
     }
+}
+
+/// The forms of A and B in every region of the mesh.
+fn forms(scene: &Scene, mesh: &Mesh) -> Result<Vec<[Form; 2]>> {
+    let materials = scene.materials();
+    let without_cells = |region: &str| mesh.regions.iter().all(|r| r != region);
+    for material in &materials {
+        if let Some(region) = material.region.filter(|region| without_cells(region)) {
+            let found = format!("{:?}, a region without cells", cut(region));
+            let allowed = format!("the regions {}", cut(&mesh.regions.join(", ")));
+            return Err(scene_error(
+                &format!("{}.region", material.path),
+                found,
+                allowed,
+            ));
+        }
+    }
+    let of_region = |region: &String| {
+        let is_its = |of: Option<&str>| of.is_none_or(|of| of == region);
+        let material = materials.iter().find(|m| is_its(m.region));
+        material.map(|m| m.operators.forms()).ok_or_else(|| {
+            let found = format!("none for the region {:?}", cut(region));
+            scene_error("materials", found, "a material for every region".to_owned())
+        })
+    };
+    mesh.regions.iter().map(of_region).collect()
+}
+
+/// Smallest and largest relaxation rate over the regions.
+fn rates(forms: &[[Form; 2]], dimension: usize) -> [f64; 2] {
+    forms
+        .iter()
+        .map(|&[a, b]| Form::rates(a, b, dimension))
+        .reduce(|x, y| [x[0].min(y[0]), x[1].max(y[1])])
+        .unwrap_or([f64::NAN; 2])
 }
 
 fn contact_patch(scene: &Scene, mesh: &Mesh, dofs: &DofMap) -> Result<ContactPatch> {

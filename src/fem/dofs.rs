@@ -11,9 +11,11 @@
 //! The contact components come last, contact node by contact node, ordered along t1 and then t2: the trailing block of a
 //! Cholesky factor is then the operator condensed onto the contact.
 
-use super::element::{area_vector, face_integrals, point};
+use super::cell::{area_vector, face_integrals, point};
 use crate::error::{Error, Result};
-use crate::mesh::{Mesh, scene_error};
+use crate::mesh::Mesh;
+use crate::message::cut;
+use crate::refusal::scene_error;
 use crate::scene::Scene;
 use nalgebra::Vector3;
 use std::ops::Range;
@@ -49,8 +51,8 @@ impl DofMap {
     /// Numbers the components of a mesh under the conditions of a scene.
     ///
     /// # Errors
-    /// [`Error::Scene`] for a part the mesh does not have or a tangent that is normal to the contact; [`Error::Body`] when
-    /// no contact node is left or a contact normal is undefined.
+    /// [`Error::Scene`] for a part the mesh does not have, a tangent that is normal to the contact, or clamped parts that leave no
+    /// contact node; [`Error::Body`] when a contact normal is undefined.
     pub fn new(scene: &Scene, mesh: &Mesh) -> Result<DofMap> {
         let count = mesh.nodes.len();
         let leader = |node: u32| mesh.leader[node as usize] as usize;
@@ -81,12 +83,10 @@ impl DofMap {
             .filter(|&n| is_contact[n as usize] && !is_held[n as usize])
             .collect();
         if nodes.is_empty() {
-            return Err(Error::Body {
-                what: format!(
-                    "every node of the contact part \"{}\" is clamped",
-                    scene.contact.part
-                ),
-            });
+            let allowed =
+                "parts that leave nodes of contact.part free (or more cells between them)";
+            let found = cut(&format!("{:?}", scene.clamped));
+            return Err(scene_error("clamped", found, allowed.to_owned()));
         }
         let mut framed = Vec::with_capacity(nodes.len());
         for node in nodes {
@@ -95,6 +95,21 @@ impl DofMap {
         }
         order_along_contact(mesh, &mut framed);
 
+        let weights = framed
+            .iter()
+            .map(|(node, _)| masses[*node as usize])
+            .collect();
+        Ok(DofMap::number(mesh, &is_held, &framed, weights))
+    }
+
+    /// Numbers the components of the nodes that are not held; those of the contact nodes with their frames come last.
+    pub(super) fn number(
+        mesh: &Mesh,
+        is_held: &[bool],
+        framed: &[(u32, [[f64; 3]; 3])],
+        weights: Vec<f64>,
+    ) -> DofMap {
+        let count = mesh.nodes.len();
         let mut map = DofMap {
             dimension: mesh.dimension,
             len: 0,
@@ -103,10 +118,7 @@ impl DofMap {
             contact: vec![NONE; count],
             contact_nodes: framed.iter().map(|(node, _)| *node).collect(),
             frames: framed.iter().map(|(_, frame)| *frame).collect(),
-            weights: framed
-                .iter()
-                .map(|(node, _)| masses[*node as usize])
-                .collect(),
+            weights,
         };
         for (i, &node) in map.contact_nodes.iter().enumerate() {
             map.contact[node as usize] = i as u32;
@@ -129,7 +141,7 @@ impl DofMap {
             map.first[node] = map.first[mesh.leader[node] as usize];
             map.contact[node] = map.contact[mesh.leader[node] as usize];
         }
-        Ok(map)
+        map
     }
 
     /// Number of free components.

@@ -3,10 +3,12 @@
 //! A load of intensity p(t) puts the force `p(t) * column` on the free components; its work-conjugate displacement is
 //! `column . u` (the mean displacement along the direction times `measure`). All integrals are exact.
 
+use super::cell::{Cell, Simplex, face_integrals};
 use super::dofs::{DofMap, direction};
-use super::element::{Element, MOST_NODES, Simplex, face_integrals, shape_values};
+use crate::element::MOST_NODES;
 use crate::error::Result;
-use crate::mesh::{Mesh, scene_error};
+use crate::mesh::Mesh;
+use crate::refusal::scene_error;
 use crate::scene::{Interpolation, LoadKind, Scene};
 use nalgebra::Vector3;
 
@@ -61,8 +63,8 @@ pub(super) fn load_columns(scene: &Scene, mesh: &Mesh, dofs: &DofMap) -> Result<
             }
             LoadKind::BodyForce => {
                 for cell in mesh.cells() {
-                    let element = Element::new(mesh, cell);
-                    for (&node, share) in cell.iter().zip(element.integrals()) {
+                    let shapes = Cell::new(mesh, cell);
+                    for (&node, share) in cell.iter().zip(shapes.integrals()) {
                         shares[node as usize] += share;
                     }
                 }
@@ -70,7 +72,7 @@ pub(super) fn load_columns(scene: &Scene, mesh: &Mesh, dofs: &DofMap) -> Result<
         }
         let mut entries = Vec::new();
         for (node, &share) in shares.iter().enumerate() {
-            if share > 0.0 {
+            if share != 0.0 {
                 add_components(dofs, node as u32, unit * share, &mut entries);
             }
         }
@@ -136,7 +138,12 @@ fn locate(mesh: &Mesh, at: [f64; 3]) -> Option<(usize, [f64; MOST_NODES])> {
             .all(|&value| value >= -OUTSIDE);
         is_inside.then(|| {
             let kept = coordinates.map(|value| if value.abs() < NEGLIGIBLE { 0.0 } else { value });
-            (c, shape_values(cell.len(), kept))
+
+            let mut values = [0.0; MOST_NODES];
+            for (node, value) in values.iter_mut().take(cell.len()).enumerate() {
+                *value = (mesh.element.shape)(node, &kept);
+            }
+            (c, values)
         })
     })
 }

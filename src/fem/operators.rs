@@ -4,10 +4,10 @@
 //! `row_idx[col_ptr[j]..col_ptr[j + 1]]`, ascending, the first one j itself. An entry that vanishes in one matrix or both
 //! (decoupled components) keeps its place, so that `c A + d B` has the same pattern, and one symbolic factorization, for all c, d.
 
+use super::cell::Cell;
 use super::dofs::DofMap;
-use super::element::{Element, IsotropicForm};
+use crate::material::Form;
 use crate::mesh::Mesh;
-use crate::scene::ElementKind;
 use nalgebra::Matrix3;
 
 /// A and B, `n x n`: lower triangles in compressed columns on one pattern.
@@ -33,25 +33,14 @@ struct Coupling {
 }
 
 impl OperatorPair {
-    /// Assembles both matrices from the isotropic forms `a` and `b`.
+    /// Assembles both matrices from the forms of A and B in every region of the mesh.
     ///
     /// Works node column by node column, gathering the cells around the node: no list of element entries has to be sorted,
     /// and the order of every sum is that of the cells, so that equal input gives equal bits.
-    pub fn from_elements(
-        mesh: &Mesh,
-        dofs: &DofMap,
-        a: IsotropicForm,
-        b: IsotropicForm,
-    ) -> OperatorPair {
+    pub fn from_elements(mesh: &Mesh, dofs: &DofMap, forms: &[[Form; 2]]) -> OperatorPair {
         let (start, around) = cells_around(mesh);
         let n = dofs.len();
-        // Rows per node column: about 7 neighbours in the plane, 15 in space, 12 of quadratic triangles; half of them
-        // below the diagonal.
-        let estimate = n * match (mesh.dimension, mesh.element) {
-            (2, ElementKind::P1) => 8,
-            (2, ElementKind::P2) => 13,
-            _ => 24,
-        };
+        let estimate = n * mesh.element.row_entries;
         let mut pair = OperatorPair {
             n,
             col_ptr: Vec::with_capacity(n + 1),
@@ -70,7 +59,8 @@ impl OperatorPair {
             let range = start[column as usize]..start[column as usize + 1];
             for &(cell, local) in &around[range] {
                 let nodes = mesh.cell(cell as usize);
-                let element = Element::new(mesh, nodes);
+                let shapes = Cell::new(mesh, nodes);
+                let forms = forms[mesh.cell_regions[cell as usize] as usize];
                 for (i, &node) in nodes.iter().enumerate() {
                     let node = mesh.leader[node as usize];
                     let rows = dofs.range(node);
@@ -88,7 +78,7 @@ impl OperatorPair {
                         });
                     }
                     let sum = &mut couplings[*slot as usize].blocks;
-                    let [block_a, block_b] = element.blocks(i, local as usize, [a, b]);
+                    let [block_a, block_b] = shapes.blocks(i, local as usize, forms);
                     sum[0] += block_a;
                     sum[1] += block_b;
                 }
@@ -154,6 +144,19 @@ impl OperatorPair {
             }
             add(&mut y[j], 1.0, &sum);
         }
+    }
+
+    /// `x . K x` for the symmetric matrix K whose lower triangle has the entries `values` on this pattern, without allocation.
+    pub fn square(&self, values: &[f64], x: &[f64]) -> f64 {
+        debug_assert_eq!((values.len(), x.len()), (self.row_idx.len(), self.n));
+        let mut sum = 0.0;
+        for (j, (rows, values)) in self.columns(values).enumerate() {
+            for (&i, &value) in rows.iter().zip(values) {
+                let twice = if i == j { 1.0 } else { 2.0 };
+                sum += twice * value * x[i] * x[j];
+            }
+        }
+        sum
     }
 
     /// `(x . A y, x . B y)` in one pass, without allocation.

@@ -1,12 +1,13 @@
-//! Midside nodes: the mesh of quadratic triangles on the cells of a linear one.
+//! Midside nodes: the mesh of quadratic cells on the cells of a linear one.
 //!
-//! Corners keep their numbers; the midside nodes follow, in the order in which the cells meet their sides. Where a side
-//! follows another one (periodicity), its midside node follows that of the other: the two join the same leaders by the
-//! same vector. Leaders alone do not tell sides apart where an axis has one or two cells.
+//! Corners keep their numbers; the midside nodes follow, in the order in which the cells meet their sides (the edges of the
+//! cells, in the plane and in space). Where a side follows another one (periodicity), its midside node follows that of the
+//! other: the two join the same leaders by the same vector. Leaders alone do not tell sides apart where an axis has one or two cells.
 
-use super::{Mesh, TRIANGLE_FACES, scene_error};
+use super::{MAX_NODES, Mesh};
+use crate::element::{self, Element, ElementKind};
 use crate::error::{Error, Result};
-use crate::scene::ElementKind;
+use crate::refusal::scene_error;
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
@@ -21,28 +22,39 @@ fn side(p: u32, q: u32) -> Side {
 }
 
 impl Mesh {
-    /// The mesh with this element: a linear mesh gets its midside nodes for [`ElementKind::P2`].
+    /// The mesh with the element of this kind: a linear mesh gets midside nodes where the element has them.
     ///
     /// # Errors
-    /// [`Error::Scene`] at `element` for P2 in three dimensions or too many nodes to number; [`Error::Body`] for a
-    /// quadratic mesh where a linear one is asked for, or whose midside nodes are not in the middle of straight sides.
-    pub fn for_element(self, element: ElementKind) -> Result<Mesh> {
-        if let Some((found, allowed)) = element.fault(self.dimension) {
-            return Err(scene_error("element", found, allowed));
+    /// [`Error::Scene`] at `element` for an element that there is not in this dimension, or too many nodes to number;
+    /// [`Error::Body`] for a quadratic mesh where a linear one is asked for, or whose midside nodes are not in the middle of
+    /// straight sides.
+    pub fn for_element(self, kind: ElementKind) -> Result<Mesh> {
+        let Some(wanted) = element::of(kind, self.dimension) else {
+            let found = format!("{:?} in {} dimensions", kind.name(), self.dimension);
+            return Err(scene_error(
+                "element",
+                found,
+                "an element of the mesh".to_owned(),
+            ));
+        };
+        if self.element == wanted {
+            return self.check_midside_nodes().map(|()| self);
         }
-        match (self.element, element) {
-            (ElementKind::P1, ElementKind::P1) => Ok(self),
-            (ElementKind::P1, ElementKind::P2) => self.with_midside_nodes(),
-            (ElementKind::P2, ElementKind::P2) => self.check_midside_nodes().map(|()| self),
-            (ElementKind::P2, ElementKind::P1) => Err(Error::Body {
-                what: "the mesh has quadratic cells, the element of the scene is p1".to_owned(),
-            }),
+        if self.element.midsides.is_empty() {
+            return self.with_midside_nodes(wanted);
         }
+        Err(Error::Body {
+            what: format!(
+                "the mesh has the cells {}, the element of the scene is {}",
+                self.element.name,
+                kind.name()
+            ),
+        })
     }
 
-    fn with_midside_nodes(self) -> Result<Mesh> {
-        let most = self.nodes.len() + 3 * self.cell_count();
-        if u32::try_from(3 * most).is_err() {
+    fn with_midside_nodes(self, element: &'static Element) -> Result<Mesh> {
+        let most = self.nodes.len() + element.midsides.len() * self.cell_count();
+        if most > MAX_NODES as usize {
             let allowed = "a mesh whose unknowns can be numbered with 32 bits".to_owned();
             return Err(scene_error(
                 "element",
@@ -50,13 +62,13 @@ impl Mesh {
                 allowed,
             ));
         }
-        let mut cell_nodes = Vec::with_capacity(6 * self.cell_count());
+        let mut cell_nodes = Vec::with_capacity(element.nodes * self.cell_count());
         let corners = self.nodes.len() as u32;
         let mut sides = Sides::default();
         for cell in self.cells() {
             cell_nodes.extend(cell);
-            for face in TRIANGLE_FACES {
-                cell_nodes.push(corners + sides.number(side(cell[face[0]], cell[face[1]])));
+            for [i, j] in element.midsides {
+                cell_nodes.push(corners + sides.number(side(cell[*i], cell[*j])));
             }
         }
         let mut nodes = self.nodes.clone();
@@ -68,34 +80,37 @@ impl Mesh {
         leader.extend(sides.leaders(&self).iter().map(|number| corners + number));
         let mut parts = BTreeMap::new();
         for (name, faces) in &self.parts {
-            let mut with_middles = Vec::with_capacity(3 * faces.len() / 2);
-            for face in faces.chunks_exact(2) {
-                let Some(number) = sides.number.get(&side(face[0], face[1])) else {
-                    return Err(Error::Body {
-                        what: format!("a face of the part \"{name}\" is the side of no cell"),
-                    });
-                };
-                with_middles.extend([face[0], face[1], corners + number]);
+            let per_face = self.element.face_nodes();
+            let mut with_middles =
+                Vec::with_capacity(faces.len() / per_face * element.face_nodes());
+            for face in faces.chunks_exact(per_face) {
+                with_middles.extend(face);
+                for [i, j] in element.face_midsides {
+                    let Some(number) = sides.number.get(&side(face[*i], face[*j])) else {
+                        return Err(Error::Body {
+                            what: format!("a face of the part \"{name}\" is the side of no cell"),
+                        });
+                    };
+                    with_middles.push(corners + number);
+                }
             }
             parts.insert(name.clone(), with_middles);
         }
         Ok(Mesh {
-            dimension: self.dimension,
-            element: ElementKind::P2,
+            element,
             nodes,
             cell_nodes,
             parts,
             leader,
+            ..self
         })
     }
 
     fn check_midside_nodes(&self) -> Result<()> {
         for cell in self.cells() {
-            for (face, &middle) in TRIANGLE_FACES.iter().zip(&cell[3..]) {
-                let (p, q) = (
-                    self.nodes[cell[face[0]] as usize],
-                    self.nodes[cell[face[1]] as usize],
-                );
+            let middles = &cell[self.element.corners()..];
+            for ([i, j], &middle) in self.element.midsides.iter().zip(middles) {
+                let (p, q) = (self.nodes[cell[*i] as usize], self.nodes[cell[*j] as usize]);
                 let place = self.nodes[middle as usize];
                 let off: [f64; 3] = std::array::from_fn(|i| place[i] - 0.5 * (p[i] + q[i]));
                 let along: [f64; 3] = std::array::from_fn(|i| q[i] - p[i]);
@@ -203,13 +218,13 @@ fn vector_between_leaders(mesh: &Mesh, [p, q]: Side) -> [f64; 3] {
 
 #[cfg(test)]
 mod tests {
-    use super::super::rectangle::uniform;
+    use super::super::source::ungraded;
+    use super::super::{Axis, BoxMesh, MeshSpec};
     use super::*;
-    use crate::scene::Axis;
 
     #[test]
     fn every_side_gets_one_node_in_its_middle() {
-        let mesh = uniform([2.0, 1.0], [3, 2], &[]);
+        let mesh = ungraded([2.0, 1.0], [3, 2], &[]);
         let corners = mesh.nodes.len();
         let quadratic = mesh.clone().for_element(ElementKind::P2).unwrap();
         // sides of the grid and of the diagonals
@@ -239,7 +254,7 @@ mod tests {
         for cells in [[1, 1], [2, 1], [1, 2], [2, 2], [3, 2]] {
             for periodic in [vec![Axis::X], vec![Axis::Y], vec![Axis::X, Axis::Y]] {
                 let size = [2.0, 1.0];
-                let mesh = uniform(size, cells, &periodic);
+                let mesh = ungraded(size, cells, &periodic);
                 let mesh = mesh.for_element(ElementKind::P2).unwrap();
                 for (p, &leader) in mesh.nodes.iter().zip(&mesh.leader) {
                     assert_eq!(mesh.leader[leader as usize], leader);
@@ -259,20 +274,49 @@ mod tests {
 
     #[test]
     fn what_cannot_be_quadratic_is_refused() {
-        let mesh = uniform([1.0, 1.0], [1, 1], &[]);
+        let mesh = ungraded([1.0, 1.0], [1, 1], &[]);
         let mut quadratic = mesh.clone().for_element(ElementKind::P2).unwrap();
         let back = quadratic.clone().for_element(ElementKind::P1);
         assert!(matches!(back, Err(Error::Body { .. })));
         quadratic.nodes[7][1] += 1e-3;
         let bent = quadratic.for_element(ElementKind::P2);
         assert!(matches!(bent, Err(Error::Body { .. })));
-        let solid = Mesh {
-            dimension: 3,
-            ..mesh
-        };
-        let Err(Error::Scene { path, .. }) = solid.for_element(ElementKind::P2) else {
-            panic!("quadratic tetrahedra are not there");
-        };
-        assert_eq!(path, "element");
+    }
+
+    /// Every edge of a box of tetrahedra has one node in its middle, also those of the faces of its parts; across periodic sides
+    /// they follow.
+    #[test]
+    fn quadratic_tetrahedra_conform() {
+        let size = [2.0, 1.0, 1.5];
+        for periodic in [vec![], vec![Axis::X], vec![Axis::X, Axis::Z]] {
+            let spec = MeshSpec::Box(BoxMesh {
+                size,
+                cells: [2, 1, 1],
+                periodic: periodic.clone(),
+                ..BoxMesh::default()
+            });
+            let linear = Mesh::generate(&spec).unwrap();
+            let mesh = linear.clone().for_element(ElementKind::P2).unwrap();
+            assert_eq!(mesh.element.name, "tet10");
+            assert_eq!(mesh.nodes[..linear.nodes.len()], linear.nodes);
+            assert_eq!(mesh.clone().for_element(ElementKind::P2), Ok(mesh.clone()));
+            for (part, faces) in &mesh.parts {
+                assert_eq!(faces.len() / 6, linear.parts[part].len() / 3);
+                for face in faces.chunks_exact(6) {
+                    let p = |i: usize| mesh.nodes[face[i] as usize];
+                    for (m, [i, j]) in mesh.element.face_midsides.iter().enumerate() {
+                        assert!((0..3).all(|c| p(3 + m)[c] == 0.5 * (p(*i)[c] + p(*j)[c])));
+                    }
+                }
+            }
+            for (p, &leader) in mesh.nodes.iter().zip(&mesh.leader) {
+                assert_eq!(mesh.leader[leader as usize], leader);
+                let q = mesh.nodes[leader as usize];
+                for (i, axis) in [Axis::X, Axis::Y, Axis::Z].into_iter().enumerate() {
+                    let wraps = periodic.contains(&axis) && p[i] == size[i];
+                    assert_eq!(q[i], if wraps { 0.0 } else { p[i] }, "{periodic:?}");
+                }
+            }
+        }
     }
 }

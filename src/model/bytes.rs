@@ -95,7 +95,10 @@ impl Model {
         let record = summary.reduction.as_ref();
         out.floats(record.map_or(&[], |r| &r.shifts));
         out.float(record.map_or(0.0, |r| r.achieved));
-        out.floats(&[self.strain_weights.0, self.strain_weights.1]);
+        match self.strain_weights {
+            Some((x, y)) => out.floats(&[x, y]),
+            None => out.floats(&[]),
+        }
         let c = &self.certificate;
         out.floats(&[
             c.c0_squared,
@@ -125,7 +128,15 @@ fn read_parts(from: &mut Reader, scene: &Scene) -> Result<Parts> {
     }
     let rates: [f64; 2] = array(from)?;
     let (shifts, achieved) = (from.finite()?, from.float()?);
-    let [x, y] = array(from)?;
+    let strain_weights = match from.finite()?[..] {
+        [x, y] => Some((x, y)),
+        [] => None,
+        _ => {
+            return Err(Reader::refusal(
+                "compiled model: weights of the strain norm",
+            ));
+        }
+    };
     let [c0_squared, l_g, m_a, l_b, sharp_instant, sharp_step] = array(from)?;
     let measures = from.finite()?;
     if measures.len() != scene.loads.len() {
@@ -146,7 +157,8 @@ fn read_parts(from: &mut Reader, scene: &Scene) -> Result<Parts> {
     let loads = scene.loads.len();
     let outputs = loads + scene.probes.len() * dimension;
     let contact_len = contact.len();
-    let mut field = || Field::read(from, free_dofs, contact_len, loads, outputs);
+    let has_strain = strain_weights.is_none();
+    let mut field = || Field::read(from, free_dofs, contact_len, loads, outputs, has_strain);
     let body: Arc<dyn BodyModel> = match kind {
         ModelKind::Full => Arc::new(Full(field()?)),
         ModelKind::Condensed => Arc::new(Condensed(field()?)),
@@ -156,6 +168,7 @@ fn read_parts(from: &mut Reader, scene: &Scene) -> Result<Parts> {
             loads,
             outputs,
             scene.fidelity.precision,
+            has_strain && scene.fidelity.solver.measures_strains(),
         )?),
     };
     Ok(Parts {
@@ -172,7 +185,7 @@ fn read_parts(from: &mut Reader, scene: &Scene) -> Result<Parts> {
             sharp_instant,
             sharp_step,
         },
-        strain_weights: (x, y),
+        strain_weights,
         dimension,
         mesh_nodes,
         mesh_cells,

@@ -3,6 +3,8 @@
 //! With the trace constant `c0` (`|v_tau|_{L2(contact)} <= c0 |eps(v)|`, (5.12)), the one-sided Lipschitz constant
 //! `L_g` of the friction bound (5.16), the largest rate at which the bound of any node decreases with the slip rate, and the ellipticity constant `m_A` of the viscosity:
 //!
+//! With several materials `m_A` is the smallest and `L_B` the largest over the regions.
+//!
 //! * the continuous problem has one solution when `c0^2 L_g < m_A` (Theorem 5.3; (2.6) with beta = c0^2 L_g, m = m_A);
 //! * a trapezoidal step has one solution when also `k < (m_A - c0^2 L_g) / L_B` (3.6), `L_B` the norm of the elasticity;
 //! * a step of this very mesh has one solution when the smallest eigenvalue of `Omega^-1/2 S Omega^-1/2` is above `L_g`,
@@ -11,7 +13,7 @@
 //! The discrete `c0` uses the lumped contact mass, as the friction terms do.
 
 use crate::error::{Error, Result};
-use crate::fem::{Body, IsotropicForm};
+use crate::fem::{Body, StrainNorm};
 use crate::linalg::{SparseCholesky, symmetric_eigenvalues};
 use faer::Mat;
 
@@ -63,50 +65,38 @@ impl Certificate {
 /// `sharp_constant(x, y)` is the smallest eigenvalue of `Omega^-1/2 S Omega^-1/2`, S the condensed operator of `x A + y B`.
 ///
 /// # Errors
-/// Those of `sharp_constant`.
+/// Those of `sharp_constant` and of [`sharp_constant_of`].
 pub fn certify(
     body: &Body,
+    cholesky: &SparseCholesky,
     l_g: f64,
     theta_k: f64,
     mut sharp_constant: impl FnMut(f64, f64) -> Result<f64>,
 ) -> Result<Certificate> {
-    let d = body.mesh.dimension as f64;
-    let extremes = |form: IsotropicForm| {
-        let volumetric = d * form.lambda + form.two_mu;
-        (form.two_mu.min(volumetric), form.two_mu.max(volumetric))
+    let of_strains = match &body.strain {
+        StrainNorm::Combination(x, y) => sharp_constant(*x, *y)?,
+        StrainNorm::Assembled(values) => sharp_constant_of(body, cholesky, values)?,
     };
-    let (x, y) = strain_weights(body);
+    let extremes = |which: usize, extreme: usize| {
+        let of = body.forms.iter().map(move |forms| forms[which]);
+        of.map(move |form| form.extremes(body.mesh.dimension)[extreme])
+    };
     Ok(Certificate {
-        c0_squared: 1.0 / sharp_constant(x, y)?,
+        c0_squared: 1.0 / of_strains,
         l_g,
-        m_a: extremes(body.viscosity).0,
-        l_b: extremes(body.elasticity).1,
+        m_a: extremes(0, 0).fold(f64::INFINITY, f64::min),
+        l_b: extremes(1, 1).fold(0.0, f64::max),
         sharp_instant: sharp_constant(1.0, 0.0)?,
         sharp_step: sharp_constant(1.0, theta_k)?,
     })
 }
 
-/// `(x, y)` with `x A + y B` the strain norm `(eps(u), eps(v))`, or a multiple of A where A and B are proportional.
-pub fn strain_weights(body: &Body) -> (f64, f64) {
-    let (a, b) = (body.viscosity, body.elasticity);
-    let det = a.two_mu * b.lambda - b.two_mu * a.lambda;
-    let size = (a.two_mu.abs() + a.lambda.abs()) * (b.two_mu.abs() + b.lambda.abs());
-    if det.abs() <= 1e-9 * size {
-        (1.0 / a.two_mu, 0.0)
-    } else {
-        (b.lambda / det, -a.lambda / det)
-    }
-}
-
-/// Condensed contact operator of `x A + y B`.
-fn condensed(body: &Body, cholesky: &SparseCholesky, (x, y): (f64, f64)) -> Result<Mat<f64>> {
-    let operators = &body.operators;
-    let mut values = vec![0.0; operators.row_idx.len()];
-    operators.combine(x, y, &mut values);
+/// Condensed contact operator of the operator with these entries.
+fn condensed(body: &Body, cholesky: &SparseCholesky, values: &[f64]) -> Result<Mat<f64>> {
     let mut factor = vec![0.0; cholesky.len()];
     cholesky.factor(
         "the contact operator (is the body clamped or otherwise held?)",
-        &values,
+        values,
         &mut factor,
         &mut cholesky.scratch(1),
     )?;
@@ -119,8 +109,18 @@ fn condensed(body: &Body, cholesky: &SparseCholesky, (x, y): (f64, f64)) -> Resu
 ///
 /// # Errors
 /// [`Error::NotPositiveDefinite`] when the body is not held.
-pub fn sharp_constant(body: &Body, cholesky: &SparseCholesky, weights: (f64, f64)) -> Result<f64> {
-    let s = condensed(body, cholesky, weights)?;
+pub fn sharp_constant(body: &Body, cholesky: &SparseCholesky, (x, y): (f64, f64)) -> Result<f64> {
+    let mut values = vec![0.0; body.operators.row_idx.len()];
+    body.operators.combine(x, y, &mut values);
+    sharp_constant_of(body, cholesky, &values)
+}
+
+/// The same for the operator with these entries.
+///
+/// # Errors
+/// [`Error::NotPositiveDefinite`] when the body is not held.
+pub fn sharp_constant_of(body: &Body, cholesky: &SparseCholesky, values: &[f64]) -> Result<f64> {
+    let s = condensed(body, cholesky, values)?;
     let values = scaled_eigenvalues(body, &s, |omega| 1.0 / omega.sqrt())?;
     positive(values.first().copied())
 }

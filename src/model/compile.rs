@@ -1,8 +1,8 @@
 //! Scene -> Model, as one pipeline: pick the setting for a target, mesh and assemble, order for elimination, choose what is
 //! kept of the body, certify.
 
-use super::certificate::{certify, sharp_constant, sharp_constant_of_compliance, strain_weights};
-use super::memory::Sizes;
+use super::certificate::{certify, sharp_constant, sharp_constant_of_compliance};
+use super::memory::{Sizes, ensure_available};
 use super::parts::Parts;
 use super::selection::Selection;
 use crate::body::BodyModel;
@@ -15,7 +15,7 @@ use crate::body::reduction::port_matrix::PortMatrix;
 use crate::body::reduction::transfer::Sampler;
 use crate::body::reduction::{Reduction, Synthesis, reduce};
 use crate::error::{Error, Result};
-use crate::fem::Body;
+use crate::fem::{Body, StrainNorm};
 use crate::linalg::SparseCholesky;
 use crate::mesh::Mesh;
 use crate::model::Model;
@@ -147,6 +147,7 @@ fn finish(
     let theta_k = tableau.theta() * scene.time.step;
     let certificate = certify(
         body,
+        cholesky,
         friction.bounds().weakening(),
         theta_k,
         |x, y| match &kept.model {
@@ -162,7 +163,10 @@ fn finish(
         contact: body.contact.clone(),
         measures: body.loads.iter().map(|l| l.measure).collect(),
         certificate,
-        strain_weights: strain_weights(body),
+        strain_weights: match body.strain {
+            StrainNorm::Combination(x, y) => Some((x, y)),
+            StrainNorm::Assembled(_) => None,
+        },
         dimension: body.mesh.dimension,
         mesh_nodes: body.mesh.nodes.len(),
         mesh_cells: body.mesh.cell_count(),
@@ -230,13 +234,23 @@ fn keep(
         let model = Arc::new(Condensed(Field::new(body)?));
         Ok(whole(ModelKind::Condensed, model, fallback))
     };
-    let reduced = |reduction: Reduction| Kept {
-        kind: ModelKind::Reduced,
-        model: KeptModel::Reduced(Arc::new(reduction.reduced)),
-        reduction: Some(reduction.record),
-        synthesis: Some(reduction.synthesis),
-        fallback: None,
-        lost_digits: ends.lost_digits,
+    let reduced = |mut reduction: Reduction| -> Result<Kept> {
+        if let (StrainNorm::Assembled(values), true) =
+            (&body.strain, scene.fidelity.solver.measures_strains())
+        {
+            let numbers = 2 * body.len() * reduction.reduced.rates.len();
+            ensure_available("the strain norm of a reduced model", 8 * numbers)?;
+            let gram = reduction.synthesis.gram(body, cholesky, values)?;
+            reduction.reduced.strain = Some(gram);
+        }
+        Ok(Kept {
+            kind: ModelKind::Reduced,
+            model: KeptModel::Reduced(Arc::new(reduction.reduced)),
+            reduction: Some(reduction.record),
+            synthesis: Some(reduction.synthesis),
+            fallback: None,
+            lost_digits: ends.lost_digits,
+        })
     };
     let mut reduction = || {
         sizes.check_reduction(scene)?;
@@ -248,10 +262,10 @@ fn keep(
             Ok(whole(ModelKind::Full, model, None))
         }
         ModelKind::Condensed => condensed(None),
-        ModelKind::Reduced => Ok(reduced(reduction()?)),
+        ModelKind::Reduced => reduced(reduction()?),
         ModelKind::Auto => match reduction() {
             Ok(found) => match dearer_step(&found, body, cholesky) {
-                None => Ok(reduced(found)),
+                None => reduced(found),
                 Some(why) => condensed(Some(why)),
             },
             Err(Error::Cancelled { phase }) => Err(Error::Cancelled { phase }),

@@ -6,7 +6,7 @@
 
 use crate::error::{Error, Result};
 use crate::fem::Body;
-use crate::scene::{ElementKind, ModelKind, Scene};
+use crate::scene::{ModelKind, Scene};
 use crate::state::history_row;
 
 const NUMBER: f64 = 8.0;
@@ -36,48 +36,23 @@ pub struct Sizes {
 impl Sizes {
     /// From the scene alone; refinement counts as far as its boxes are filled.
     pub fn of_scene(scene: &Scene) -> Sizes {
-        let mesh = &scene.mesh;
-        let d = mesh.dimension() as f64;
-        let boxes = mesh.refinements().iter().map(|r| {
-            let (from, to) = (r.from, r.upper());
-            2.0 * (to[0] - from[0]) * (to[1] - from[1]) / (r.size * r.size)
-        });
-        let nodes = mesh.node_bound(scene.element) as f64 + boxes.sum::<f64>();
+        let element = scene.element_table();
+        let extent = scene.mesh.extent(element, &scene.contact.part);
+        let d = element.dimension as f64;
+        let nodes = extent.nodes as f64 + extent.refined;
         let dofs = d * nodes;
-        let axis = mesh.normal_axis(&scene.contact.part).map(|a| a.index());
-        let along = mesh
-            .cells()
-            .iter()
-            .enumerate()
-            .filter(|(i, _)| Some(*i) != axis);
-        let corners: f64 = along
-            .map(|(_, &n)| scene.element.nodes_along(n) as f64)
-            .product();
-        // sides normal to z have the centres of the cells too
-        let on_contact = if axis == Some(2) {
-            2.0 * corners
-        } else {
-            corners
-        };
-        let (rows, separator) = match (mesh.dimension(), scene.element) {
+        let separator = match element.dimension {
             // a separator is as long as the shorter side, and its dofs become a dense triangle
-            (2, element) => (
-                if element == ElementKind::P1 {
-                    8.0
-                } else {
-                    13.0
-                },
-                7.75 * nodes * nodes.max(2.0).log2(),
-            ),
-            _ => (24.0, 9.0 * nodes.powf(4.0 / 3.0)),
+            2 => 7.75 * nodes * nodes.max(2.0).log2(),
+            _ => 9.0 * nodes.powf(4.0 / 3.0),
         };
         Sizes {
             nodes,
             cells: 2.0 * nodes * (d - 1.0),
             dofs,
-            entries: rows * dofs,
+            entries: element.row_entries as f64 * dofs,
             factor: separator,
-            contact: on_contact * (d - 1.0),
+            contact: extent.contact * (d - 1.0),
             others: ports(scene),
         }
     }
@@ -143,7 +118,8 @@ impl Sizes {
             );
             ensure(scene, "history.capacity", found, past + body)
         } else {
-            let found = format!("{:?}, {:.0} nodes", scene.mesh.cells(), self.nodes);
+            let nodes = format!("{:.0} nodes", self.nodes);
+            let found = format!("{:?}, {nodes}", scene.mesh.grid().cells);
             ensure(scene, "mesh.cells", found, past + body)
         }
     }

@@ -107,7 +107,8 @@ pub struct Model {
     largest_step: f64,
     solver: SolverSettings,
     has_multiplicity_test: bool,
-    strain_weights: (f64, f64),
+    /// `(x, y)` with `x A + y B` the strain norm; `None` where the body has it assembled.
+    strain_weights: Option<(f64, f64)>,
     history_capacity: usize,
     certificate: Certificate,
     summary: Summary,
@@ -244,9 +245,14 @@ impl Model {
 
     /// `|eps(u)|` in L2 of a displacement or velocity of the body.
     pub(crate) fn strain_norm(&self, u: &[f64]) -> f64 {
-        let (a, b) = self.body.products(u);
-        let (x, y) = self.strain_weights;
+        let squared = match self.strain_weights {
+            Some((x, y)) => {
+                let (a, b) = self.body.products(u);
+                x * a + y * b
+            }
+            None => self.body.strain_square(u),
+        };
         // the difference of two positive terms may round below zero
-        (x * a + y * b).max(0.0).sqrt()
+        squared.max(0.0).sqrt()
     }
 }

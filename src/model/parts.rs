@@ -9,7 +9,7 @@ use crate::contact::solve::fixed_point::FixedPoint;
 use crate::error::Result;
 use crate::fem::ContactPatch;
 use crate::ports::{Ports, Shapes};
-use crate::scene::{ElementKind, FixedPointStop, FrictionSolver, LoadKind, ModelKind, Run, Scene};
+use crate::scene::{FixedPointStop, FrictionSolver, LoadKind, ModelKind, Run, Scene};
 use crate::state::State;
 use crate::time::scheme::Tableau;
 use std::sync::Arc;
@@ -23,7 +23,7 @@ pub(super) struct Parts {
     /// Area or volume of every load.
     pub measures: Vec<f64>,
     pub certificate: Certificate,
-    pub strain_weights: (f64, f64),
+    pub strain_weights: Option<(f64, f64)>,
     pub dimension: usize,
     pub mesh_nodes: usize,
     pub mesh_cells: usize,
@@ -84,10 +84,7 @@ impl Model {
 
 fn summary(scene: &Scene, parts: &Parts) -> Summary {
     // the first node of a contact is not counted, as at the clamped end of the paper's example
-    let multipliers = match scene.element {
-        ElementKind::P1 => parts.contact.faces,
-        ElementKind::P2 => 2 * parts.contact.faces,
-    };
+    let multipliers = scene.element_table().order * parts.contact.faces;
     Summary {
         name: scene.name.clone(),
         dimension: parts.dimension,

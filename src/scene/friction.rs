@@ -1,10 +1,10 @@
 //! Rules of the friction of a scene, and its law on a contact.
 
-use super::refusal::Refusal;
 use super::types::Scene;
 use crate::Result;
 use crate::contact::law::{ChosenLaw, Extent, Given, Misfit, Wrong};
 use crate::message::number;
+use crate::refusal::Refusal;
 
 impl Scene {
     /// The friction law on a contact of so many nodes.

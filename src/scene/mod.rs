@@ -8,21 +8,19 @@
 
 mod examples;
 mod friction;
-mod geometry;
 mod overrides;
 mod parse;
 mod path;
-mod refusal;
 mod structure;
 mod types;
 mod validate;
 
+pub use crate::mesh::MAX_NODES;
 pub use examples::{example, example_names};
 pub use types::*;
-pub use validate::MAX_NODES;
 
 use crate::Result;
-use refusal::Refusal;
+use crate::refusal::Refusal;
 use serde::Deserialize;
 use structure::Structure;
 

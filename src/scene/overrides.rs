@@ -2,9 +2,9 @@
 
 use super::parse::parse;
 use super::path::{Path, Segment};
-use super::refusal::{Refusal, shown};
 use super::structure::Structure;
 use crate::message::cut;
+use crate::refusal::{Refusal, shown};
 use serde_json::Value;
 
 /// Puts `text` (JSON if it parses, else a string) at `path`.

@@ -2,8 +2,8 @@
 //! which the text breaks.
 
 use super::path::{Path, Segment};
-use super::refusal::Refusal;
 use crate::message::cut;
+use crate::refusal::Refusal;
 use serde::de::{DeserializeSeed, Deserializer, Error, MapAccess, SeqAccess, Visitor};
 use serde_json::{Map, Value};
 use std::fmt;

@@ -4,9 +4,9 @@
 //! allowed. The schema generated from the same types knows both. Only the keywords that it uses are understood.
 
 use super::path::{Path, Segment};
-use super::refusal::{Refusal, shown};
 use super::types::Scene;
 use crate::message::cut;
+use crate::refusal::{Refusal, shown};
 use serde_json::{Map, Value, json};
 
 /// What editors find the schema of a file by; not a part of a scene.

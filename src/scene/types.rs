@@ -4,18 +4,25 @@
 //! written here (`#[schemars(...)]`) is the one that parsing enforces. Rules that tie several values together are in
 //! `validate.rs`.
 
-mod body;
 mod boundary;
 mod fidelity;
 mod friction;
 mod run;
 
-pub use body::*;
 pub use boundary::*;
 pub use fidelity::*;
 pub use friction::*;
 pub use run::*;
 
+pub use crate::element::ElementKind;
+pub use crate::material::{
+    Convention, Elasticity, IsotropicElasticity, IsotropicViscosity, Material, RegionMaterial,
+    Viscosity,
+};
+pub use crate::mesh::{Axis, BoxMesh, Grid, MeshSpec, Rectangle, Refinement, RegionBox};
+
+use crate::element::{self, Element};
+use crate::material::Operators;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -33,8 +40,13 @@ pub struct Scene {
     /// Finite element. Default: `p1`.
     #[serde(default)]
     pub element: ElementKind,
-    /// Material of the body.
-    pub material: Material,
+    /// Material of the whole body; or else `materials`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Material")]
+    pub material: Option<Material>,
+    /// Materials by region, one for every region that has cells; or else `material`. Default: none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub materials: Vec<RegionMaterial>,
     /// Names of the parts on which the body is clamped (velocity and displacement zero). At least one: without it the
     /// body could slide rigidly along the foundation, and without inertia nothing would determine its motion.
     #[schemars(length(min = 1))]
@@ -58,4 +70,51 @@ pub struct Scene {
     /// What `stickslip run` does with the scene.
     #[serde(default)]
     pub run: Run,
+}
+
+/// A material of a scene: what it is of, and where it stands.
+pub(crate) struct Placed<'a> {
+    /// Its place in the scene: `material` or `materials[i]`.
+    pub path: String,
+    /// Its region; `None` for the whole body.
+    pub region: Option<&'a str>,
+    pub operators: Operators<'a>,
+}
+
+impl Scene {
+    /// The materials, in their order.
+    pub(crate) fn materials(&self) -> Vec<Placed<'_>> {
+        let whole = self.material.iter().map(|m| Placed {
+            path: "material".to_owned(),
+            region: None,
+            operators: Operators {
+                viscosity: &m.viscosity,
+                elasticity: &m.elasticity,
+            },
+        });
+        let by_region = self.materials.iter().enumerate().map(|(i, m)| Placed {
+            path: format!("materials[{i}]"),
+            region: Some(&m.region),
+            operators: Operators {
+                viscosity: &m.viscosity,
+                elasticity: &m.elasticity,
+            },
+        });
+        whole.chain(by_region).collect()
+    }
+
+    /// Declared values of the materials, by their paths in the scene.
+    pub fn material_parameters(&self) -> Vec<(String, crate::material::Parameter)> {
+        let of = |placed: Placed| {
+            let parameters = placed.operators.parameters().into_iter();
+            parameters.map(move |(key, p)| (format!("{}.{key}", placed.path), p))
+        };
+        self.materials().into_iter().flat_map(of).collect()
+    }
+
+    /// The table of the element in the dimension of the mesh.
+    pub fn element_table(&self) -> &'static Element {
+        let dimension = self.mesh.dimension();
+        element::of(self.element, dimension).unwrap_or_else(|| element::linear(dimension))
+    }
 }

@@ -1,19 +1,14 @@
 //! Rules that tie several values of a scene together. What concerns one value alone (types, names, ranges) is stated
-//! with the types and has been checked before.
+//! with the types and has been checked before; what only a mesh can say (points inside the body, normals, free contact
+//! nodes, cells of regions) is said when the body is assembled (`crate::fem`).
 
 mod body;
 
-use super::refusal::{Refusal, shown};
 use super::types::*;
 use crate::message::{cut, number};
-use body::{check_clamped, check_contact, check_material, check_mesh, check_part};
-use serde_json::Value;
+use crate::refusal::{Refusal, Verdict, ensure, json};
+use body::{check_clamped, check_contact, check_materials, check_mesh, check_part};
 use std::collections::{BTreeMap, BTreeSet};
-
-/// Largest number of mesh nodes: with three unknowns per node, every index still fits 32 bits.
-pub const MAX_NODES: u32 = 1 << 30;
-
-type Verdict = Result<(), Refusal>;
 
 /// First components of the ports that every scene has; a load or probe of that name would collide with them.
 const RESERVED: [&str; 4] = ["contact", "energy", "solver", "time"];
@@ -21,7 +16,7 @@ const RESERVED: [&str; 4] = ["contact", "energy", "solver", "time"];
 /// Refuses the first violated rule.
 pub(super) fn check(scene: &Scene) -> Verdict {
     check_mesh(scene)?;
-    check_material(scene)?;
+    check_materials(scene)?;
     check_clamped(scene)?;
     check_contact(scene)?;
     check_names(scene)?;
@@ -29,16 +24,12 @@ pub(super) fn check(scene: &Scene) -> Verdict {
         check_load(scene, load, &format!("loads[{i}]"))?;
     }
     for (i, probe) in scene.probes.iter().enumerate() {
-        check_probe(&scene.mesh, probe, &format!("probes[{i}].at"))?;
+        check_dimension(&scene.mesh, &probe.at, &format!("probes[{i}].at"))?;
     }
     check_time(&scene.time)?;
     check_precision(&scene.fidelity)?;
     check_target(scene)?;
     check_signals(scene)
-}
-
-fn ensure(holds: bool, refusal: impl FnOnce() -> Refusal) -> Verdict {
-    if holds { Ok(()) } else { Err(refusal()) }
 }
 
 fn check_names(scene: &Scene) -> Verdict {
@@ -86,7 +77,7 @@ fn check_load(scene: &Scene, load: &Load, path: &str) -> Verdict {
         (LoadKind::Traction, None) => {
             let allowed = format!(
                 "for a traction, one of the parts {}",
-                scene.mesh.parts().join(", ")
+                scene.mesh.source().parts().join(", ")
             );
             return Err(Refusal::new(part_path, "nothing", allowed));
         }
@@ -132,20 +123,6 @@ fn check_dimension(mesh: &MeshSpec, vector: &[f64], path: &str) -> Verdict {
 
 fn length(vector: &[f64]) -> f64 {
     vector.iter().map(|x| x * x).sum::<f64>().sqrt()
-}
-
-fn check_probe(mesh: &MeshSpec, probe: &Probe, path: &str) -> Verdict {
-    check_dimension(mesh, &probe.at, path)?;
-    for (i, (x, size)) in probe.at.iter().zip(mesh.size()).enumerate() {
-        ensure((0.0..=*size).contains(x), || {
-            Refusal::new(
-                format!("{path}[{i}]"),
-                number(*x),
-                format!("0 to {}, inside the body", number(*size)),
-            )
-        })?;
-    }
-    Ok(())
 }
 
 /// Only a reduced model has a port matrix.
@@ -231,9 +208,4 @@ fn check_signals(scene: &Scene) -> Verdict {
         }
     }
     Ok(())
-}
-
-/// A value as the scene writes it.
-fn json(value: &(impl serde::Serialize + ?Sized)) -> String {
-    serde_json::to_value(value).map_or_else(|error| error.to_string(), |value: Value| shown(&value))
 }

@@ -1,12 +1,15 @@
 //! Families of meshes: the same cells with other elements and gradings.
 
 use super::setting::Setting;
+use crate::element::with_contact;
 use crate::scene::{Axis, Scene};
 
 /// Exponents of `mesh.grading` that are tried; 1 is a uniform mesh.
 pub const GRADINGS: [f64; 4] = [1.0, 1.5, 2.0, 2.5];
-/// Elements that are tried.
-pub const ELEMENTS: [&str; 2] = ["p1", "p2"];
+/// What a scene calls the elements that are tried on its mesh.
+pub fn elements(scene: &Scene) -> impl Iterator<Item = &'static str> {
+    with_contact(scene.mesh.dimension()).map(|element| element.kind.name())
+}
 
 /// A way to make meshes of any number of cells.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,7 +38,7 @@ impl Family {
             setting: Setting::unchanged(),
         }];
         let mut known = vec![scene.clone()];
-        for element in ELEMENTS {
+        for element in elements(scene) {
             for exponent in GRADINGS {
                 let family = Family::new(scene, element, exponent);
                 match family.setting.apply(scene) {
@@ -52,16 +55,20 @@ impl Family {
 
     /// The one for references: measured on the example scenes, the most accurate at equal cells that have room for it.
     pub fn most_accurate(scene: &Scene) -> Family {
-        match scene.mesh.dimension() {
-            2 => Family::new(scene, "p2", 2.5),
-            _ => Family::new(scene, "p1", 1.5),
-        }
+        let dimension = scene.mesh.dimension();
+        let highest = with_contact(dimension).max_by_key(|element| element.order);
+        let exponent = match dimension {
+            2 => 2.5,
+            _ => 1.5,
+        };
+        let element = highest.map_or(scene.element, |element| element.kind);
+        Family::new(scene, element.name(), exponent)
     }
 }
 
 /// The same exponent along every axis that is not periodic.
 pub fn grading(scene: &Scene, exponent: f64) -> String {
-    let is_periodic = |axis: &Axis| scene.mesh.periodic().contains(axis);
+    let is_periodic = |axis: &Axis| scene.mesh.grid().periodic.contains(axis);
     let axes = [Axis::X, Axis::Y, Axis::Z];
     list(axes[..scene.mesh.dimension()].iter().map(|axis| {
         let exponent = if is_periodic(axis) { 1.0 } else { exponent };
@@ -72,7 +79,14 @@ pub fn grading(scene: &Scene, exponent: f64) -> String {
 /// The cells of a scene, `factor` times as many along every axis, at least one.
 pub fn cells(scene: &Scene, factor: f64) -> String {
     let scaled = |&n: &u32| (f64::from(n) * factor).round().max(1.0) as u32;
-    list(scene.mesh.cells().iter().map(|n| scaled(n).to_string()))
+    list(
+        scene
+            .mesh
+            .grid()
+            .cells
+            .iter()
+            .map(|n| scaled(n).to_string()),
+    )
 }
 
 /// A JSON array without blanks, so that it is one word of a command line.

@@ -22,7 +22,7 @@ mod trajectory;
 
 pub use crate::model::Selection;
 pub use errors::{Errors, Quantity};
-pub use family::{ELEMENTS, Family, GRADINGS, cells, grading};
+pub use family::{Family, GRADINGS, cells, elements, grading};
 pub use reference::{Level, MARGIN, Measured, Reference, Refinement, Verdict};
 pub(crate) use selection::resolve;
 pub use setting::Setting;

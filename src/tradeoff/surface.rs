@@ -6,6 +6,7 @@
 //! between neighbouring nodes (midside nodes among them), and at clamped nodes continued from the contact nodes beside them.
 //! A point beside the surface, as on a coarse curved contact, is projected onto the nearest face.
 
+use crate::element::{Element, OnContact};
 use crate::fem::{Body, ContactPatch};
 use crate::scene::Scene;
 use crate::{Error, Result};
@@ -22,8 +23,10 @@ pub struct Surface {
 /// A segment (2D) or triangle (3D).
 #[derive(Debug, Clone, PartialEq)]
 struct Face {
+    /// Element of the cell.
+    element: &'static Element,
     corners: Vec<Vector3<f64>>,
-    /// Contact node of every corner, then of the middle of a quadratic segment; `None` where it is clamped.
+    /// Contact node of every node of the face; `None` where it is clamped.
     nodes: Vec<Option<usize>>,
 }
 
@@ -50,6 +53,7 @@ impl Surface {
     pub fn of(scene: &Scene, body: &Body) -> Result<Surface> {
         let faces = body.mesh.faces(&scene.contact.part, "contact.part")?;
         let face = |nodes: &[u32]| Face {
+            element: body.mesh.element,
             corners: nodes
                 .iter()
                 .take(body.mesh.dimension)
@@ -104,7 +108,7 @@ impl Surface {
                 what: "the contact part has no faces".to_owned(),
             });
         };
-        let values = face.values(place, kind);
+        let values = face.values(&place, kind);
         let shares = face.nodes.iter().zip(values);
         let mut shares: Vec<(usize, f64)> = shares
             .filter_map(|(node, value)| node.map(|n| (n, value)))
@@ -145,15 +149,18 @@ impl Face {
     }
 
     /// Shares of the nodes in the value at a place.
-    fn values(&self, place: Vec<f64>, kind: Kind) -> Vec<f64> {
-        match (&*place, self.nodes.len(), kind) {
-            (&[p, q], 3, Kind::Kinematic) => vec![p * (p - q), q * (q - p), 4.0 * p * q],
-            (&[p, q], 3, Kind::Static) => {
-                let (a, b) = ((p - q).max(0.0), (q - p).max(0.0));
-                vec![a, b, 1.0 - a - b]
-            }
-            _ => place,
-        }
+    fn values(&self, place: &[f64], kind: Kind) -> Vec<f64> {
+        let OnContact::Nodes { shape, between } = self.element.contact else {
+            // such an element has no contact nodes
+            return Vec::new();
+        };
+        let value = match kind {
+            Kind::Kinematic => shape,
+            Kind::Static => between,
+        };
+        (0..self.nodes.len())
+            .map(|node| value(node, place))
+            .collect()
     }
 }
 
@@ -266,6 +273,7 @@ mod tests {
     fn the_nearest_point_of_a_triangle_is_nearest() {
         let corners = [[0.0, 0.0, 0.0], [2.0, 0.1, 0.0], [0.3, 1.0, 0.4]].map(Vector3::from);
         let face = Face {
+            element: crate::element::linear(3),
             corners: corners.to_vec(),
             nodes: vec![None; 3],
         };

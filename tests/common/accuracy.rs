@@ -97,7 +97,7 @@ impl End {
     /// A field on the contact by its shape functions; up to the first node as there.
     fn on_contact(&self, values: &[f64], x: f64) -> f64 {
         let places = &self.compilation.body.contact.points;
-        let order = match self.compilation.body.mesh.element {
+        let order = match self.compilation.body.mesh.element.kind {
             ElementKind::P1 => 1,
             ElementKind::P2 => 2,
         };
@@ -158,7 +158,7 @@ impl End {
             strain[2] += 0.5 * (gy * u[0] + gx * u[1]);
         };
         for i in 0..3 {
-            match mesh.element {
+            match mesh.element.kind {
                 ElementKind::P1 => add([g[i].x, g[i].y], nodes[i]),
                 ElementKind::P2 => {
                     let factor = 4.0 * l[i] - 1.0;

@@ -1,7 +1,6 @@
 //! The shape of a deformed plane body: triangles to fill and sides to draw.
 
 use stickslip::mesh::Mesh;
-use stickslip::scene::ElementKind;
 
 /// Straight pieces of a drawn side of a quadratic triangle, a parabola once it is deformed.
 const PIECES: usize = 6;
@@ -29,25 +28,23 @@ impl Shape {
         for cell in mesh.cells() {
             let at = |i: usize| nodes[cell[i] as usize];
             let triangle = |corners: [usize; 3]| corners.map(|i| cell[i] as usize);
-            match mesh.element {
-                ElementKind::P1 => {
-                    triangles.push(triangle([0, 1, 2]));
-                    outlines.push(vec![at(0), at(1), at(2), at(0)]);
-                }
-                ElementKind::P2 => {
-                    let quarters = [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]];
-                    triangles.extend(quarters.map(triangle));
-                    let mut outline = vec![at(0)];
-                    for side in 0..3 {
-                        let (p, m, q) = (at(side), at(3 + side), at((side + 1) % 3));
+            triangles.extend(mesh.element.pieces.iter().map(|p| triangle(*p)));
+            let mut outline = vec![at(0)];
+            for side in mesh.element.faces {
+                let (p, q) = (at(side[0]), at(side[1]));
+                let is_its = |ends: &[usize; 2]| side.contains(&ends[0]) && side.contains(&ends[1]);
+                match mesh.element.midsides.iter().position(is_its) {
+                    None => outline.push(q),
+                    Some(middle) => {
+                        let m = at(mesh.element.corners() + middle);
                         outline.extend((1..=PIECES).map(|i| {
                             let t = i as f64 / PIECES as f64;
                             parabola([p, m, q], t)
                         }));
                     }
-                    outlines.push(outline);
                 }
             }
+            outlines.push(outline);
         }
         Shape {
             nodes,
@@ -74,7 +71,7 @@ fn parabola([p, m, q]: [Place; 3], t: f64) -> Place {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use stickslip::scene::{Scene, example};
+    use stickslip::scene::{ElementKind, Scene, example};
 
     /// The drawn sides of a quadratic body lie on the displacement field itself, when that is quadratic.
     #[test]

@@ -119,13 +119,8 @@ fn steps(scene: &Scene) -> f64 {
 
 /// Nodes of the mesh and tangential contact components.
 fn sizes(scene: &Scene) -> (f64, f64) {
-    let dimension = scene.mesh.dimension();
-    let normal = scene.mesh.normal_axis(&scene.contact.part);
-    let along = scene.mesh.cells().iter().enumerate();
-    let contact: f64 = along
-        .filter(|(axis, _)| normal.is_none_or(|n| n.index() != *axis))
-        .map(|(_, cells)| scene.element.nodes_along(*cells) as f64)
-        .product();
-    let nodes = scene.mesh.node_bound(scene.element) as f64;
-    (nodes, contact * (dimension - 1) as f64)
+    let element = scene.element_table();
+    let extent = scene.mesh.extent(element, &scene.contact.part);
+    let components = element.dimension - 1;
+    (extent.nodes as f64, extent.contact * components as f64)
 }

@@ -56,7 +56,11 @@ fn row(scene: &Scene, point: &Point, fronts: &[Vec<&Point>; 4]) -> Vec<String> {
     let mut row = vec![
         point.group.name().to_owned(),
         point.arguments(),
-        applied.mesh.node_bound(applied.element).to_string(),
+        applied
+            .mesh
+            .extent(applied.element_table(), &applied.contact.part)
+            .nodes
+            .to_string(),
         shortest(applied.time.step),
     ];
     row.extend(Quantity::ALL.map(|q| of(point.verdict.of(q).and_then(|m| m.figure()))));

@@ -3,7 +3,7 @@
 use super::estimate::Estimate;
 use super::point::Group;
 use stickslip::scene::{Scene, Scheme};
-use stickslip::tradeoff::{ELEMENTS, Family, GRADINGS, Setting, Study, cells, grading};
+use stickslip::tradeoff::{Family, GRADINGS, Setting, Study, cells, elements, grading};
 
 /// Cells along every axis, as shares of those of the scene.
 const SIZES: [f64; 6] = [0.125, 0.25, 0.5, 1.0, 2.0, 4.0];
@@ -47,7 +47,7 @@ pub fn batches(study: &Study) -> Vec<Batch> {
     for exponent in GRADINGS {
         vary(Group::Mesh, "mesh.grading", grading(scene, exponent));
     }
-    for element in ELEMENTS {
+    for element in elements(scene) {
         vary(Group::Mesh, "element", element.to_owned());
     }
     for scheme in SCHEMES {

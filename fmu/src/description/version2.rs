@@ -4,8 +4,8 @@ use super::{
     MODEL_IDENTIFIER, Source, When, depends, kinds, write_default_experiment, write_log_categories,
     write_units,
 };
-use crate::parameters::CHOICES;
-use crate::variables::{Role, Variable};
+use crate::parameters::choices;
+use crate::variables::{Role, Variable, Variables};
 use crate::xml::Xml;
 
 pub fn write(source: &Source) -> String {
@@ -48,7 +48,7 @@ pub fn write(source: &Source) -> String {
     );
     write_units(&mut xml, &source.variables);
     xml.open("TypeDefinitions", &[]);
-    for choices in &CHOICES {
+    for choices in &choices() {
         xml.open("SimpleType", &[("name", choices.name)]);
         xml.open("Enumeration", &[]);
         for (i, word) in choices.words.iter().enumerate() {
@@ -100,7 +100,7 @@ fn write_variable(xml: &mut Xml, source: &Source, variable: &Variable, name: &st
         Some(choice) => {
             let start = (source.start[place] as i64).to_string();
             let attributes = [
-                ("declaredType", CHOICES[choice].name),
+                ("declaredType", Variables::choice_name(choice)),
                 ("start", start.as_str()),
             ];
             xml.empty("Enumeration", &attributes);

@@ -4,8 +4,8 @@ use super::{
     MODEL_IDENTIFIER, Source, When, depends, kinds, write_default_experiment, write_log_categories,
     write_units,
 };
-use crate::parameters::CHOICES;
-use crate::variables::{Role, Variable};
+use crate::parameters::choices;
+use crate::variables::{Role, Variable, Variables};
 use crate::xml::Xml;
 
 /// A variable as it is declared.
@@ -91,7 +91,7 @@ pub fn write(source: &Source) -> String {
     );
     write_units(&mut xml, &source.variables);
     xml.open("TypeDefinitions", &[]);
-    for choices in &CHOICES {
+    for choices in &choices() {
         xml.open("EnumerationType", &[("name", choices.name)]);
         for (i, word) in choices.words.iter().enumerate() {
             xml.empty("Item", &[("name", word), ("value", &(i + 1).to_string())]);
@@ -132,7 +132,7 @@ fn write_variable(xml: &mut Xml, source: &Source, item: &Declared) {
     let has_start = matches!(variable.role, Role::Input | Role::Tunable | Role::Fixed);
     if let Some(choice) = variable.choice {
         let start = (source.start[item.place] as i64).to_string();
-        attributes.push(("declaredType", CHOICES[choice].name));
+        attributes.push(("declaredType", Variables::choice_name(choice)));
         attributes.push(("start", &start));
         xml.empty("Enumeration", &attributes);
         return;

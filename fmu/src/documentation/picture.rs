@@ -11,9 +11,6 @@ use stickslip::scene::LoadKind;
 const ARROW: f64 = 56.0;
 /// A mesh with more faces to draw is shown by its outline alone.
 const MOST_FACES: usize = 20_000;
-/// Faces of a positively oriented tetrahedron, outward normal by the right-hand rule.
-const TETRAHEDRON: [[usize; 3]; 4] = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
-
 pub const CONTACT: &str = "#c0392b";
 pub const CLAMPED: &str = "#444444";
 pub const LOAD: &str = "#1e8449";
@@ -38,7 +35,8 @@ fn is_turned_to_reader(mesh: &Mesh, face: &[u32]) -> bool {
 fn outer_faces(mesh: &Mesh) -> Vec<[u32; 3]> {
     let mut faces: BTreeMap<[u32; 3], Option<[u32; 3]>> = BTreeMap::new();
     for cell in mesh.cells() {
-        for face in TETRAHEDRON.map(|f| f.map(|i| cell[i])) {
+        for face in mesh.element.faces {
+            let face = [face[0], face[1], face[2]].map(|i| cell[i]);
             let mut key = face;
             key.sort_unstable();
             faces

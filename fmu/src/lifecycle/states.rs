@@ -100,7 +100,8 @@ impl Instance {
 
     pub fn deserialize(&mut self, bytes: &[u8]) -> Outcome<u64> {
         self.permit(Call::States)?;
-        let saved = Saved::from_bytes(bytes, |parameters| self.component_of(parameters))?;
+        let count = self.parameters.len();
+        let saved = Saved::from_bytes(bytes, count, |parameters| self.component_of(parameters))?;
         Ok(self.keep(saved))
     }
 }

@@ -3,7 +3,6 @@
 
 use super::{Call, Instance, Phase};
 use crate::fault::{Fault, Outcome};
-use crate::parameters;
 use crate::variables::Role;
 
 /// A number of an importer: Float64 and Real, or the Int64 and Integer of an enumeration.
@@ -220,7 +219,13 @@ impl Instance {
             )));
         }
         let parameter = place.wrapping_sub(self.component.variables.first_parameter());
-        if variable.choice.is_some() && !parameters::is_choice(parameter, value as i64) {
+        if variable.choice.is_some()
+            && !self
+                .component
+                .variables
+                .parameters()
+                .is_choice(parameter, value as i64)
+        {
             return Err(Fault::error(format!(
                 "{}: there is no choice {value}",
                 variable.name

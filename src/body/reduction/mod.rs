@@ -287,6 +287,7 @@ fn finish(truncated: Truncated, sampled: Sampled, loads: usize, reference_rate: 
             contact,
             outputs,
             loads,
+            strain: None,
             rates: modes.rates.iter().map(|r| r * reference_rate).collect(),
         },
         record: ReductionRecord {

@@ -221,6 +221,13 @@ impl Default for FrictionSolver {
     }
 }
 
+impl FrictionSolver {
+    /// Whether its stop test measures displacements in the strain norm.
+    pub(crate) fn measures_strains(&self) -> bool {
+        matches!(self, FrictionSolver::FixedPoint { .. })
+    }
+}
+
 /// What the stop test of the fixed point looks at.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]

@@ -14,7 +14,7 @@ pub(super) struct Lines {
 }
 
 impl Lines {
-    /// The length is positive, there are cells, and the exponent is at least 1: checked by [`super::Mesh::generate`].
+    /// The length is positive, there are cells, and the exponent is at least 1: checked by [`super::Grid`].
     pub fn new(length: f64, cells: u32, exponent: f64) -> Lines {
         let n = f64::from(cells);
         if exponent == 1.0 {

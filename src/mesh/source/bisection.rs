@@ -6,10 +6,10 @@
 //! shared by both neighbours, this ends and gives a conforming mesh with finitely many shapes (Mitchell, ACM Trans. Math.
 //! Softw. 15 (1989) 326-347; Binev, Dahmen and DeVore, Numer. Math. 97 (2004) 219-268).
 
-use super::rectangle::CrissCross;
-use super::scene_error;
+use super::rectangle::{CrissCross, Refinement};
 use crate::error::Result;
-use crate::scene::{MAX_NODES, Refinement};
+use crate::mesh::MAX_NODES;
+use crate::refusal::scene_error;
 use std::collections::BTreeMap;
 
 /// Bisects every triangle that touches the box of a refinement until its longest side has at most its size.
@@ -192,17 +192,18 @@ fn touches(corners: [[f64; 2]; 3], low: [f64; 2], high: [f64; 2]) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Mesh;
-    use super::super::lines::Lines;
-    use super::super::rectangle::generate;
+    use super::super::{MeshSource, Rectangle};
     use super::*;
+    use crate::mesh::Mesh;
 
     fn mesh(cells: [u32; 2], refinements: &[Refinement]) -> Mesh {
-        let axes = [
-            Lines::new(1.0, cells[0], 1.0),
-            Lines::new(0.5, cells[1], 1.0),
-        ];
-        generate(&axes, &[], refinements).unwrap()
+        let source = Rectangle {
+            size: [1.0, 0.5],
+            cells,
+            refine: refinements.to_vec(),
+            ..Rectangle::default()
+        };
+        source.mesh().unwrap()
     }
 
     fn point(from: [f64; 2], size: f64) -> Refinement {

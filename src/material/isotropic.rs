@@ -1,0 +1,233 @@
+//! Isotropic laws: `tau -> c tr(tau) I + d tau`.
+//!
+//! Positive on symmetric tensors of dimension n exactly if `d > 0` and `n c + d > 0`.
+
+use super::form::Form;
+use super::{Choice, Law, Parameter, ParameterKind};
+use crate::message::number;
+use crate::refusal::{Refusal, Verdict, ensure, json};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// `A tau = mu1 tr(tau) I + mu2 tau`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct IsotropicViscosity {
+    /// Coefficient of the trace, Pa s; `dimension * mu1 + mu2` is positive.
+    pub mu1: f64,
+    /// Coefficient of the strain rate, Pa s; positive.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub mu2: f64,
+}
+
+/// `B tau = lambda tr(tau) I + E/(1 + kappa) tau`, with lambda by the convention.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct IsotropicElasticity {
+    /// Young's modulus E, Pa; positive.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub young: f64,
+    /// Poisson's ratio kappa, in (-1, 0.5).
+    #[schemars(extend("exclusiveMinimum" = -1, "exclusiveMaximum" = 0.5))]
+    pub poisson: f64,
+    /// Coefficient of the trace.
+    pub convention: Convention,
+}
+
+/// How lambda follows from Young's modulus E and Poisson's ratio kappa.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Convention {
+    /// `E kappa / ((1 - kappa)(1 - 2 kappa))`, as printed in Kazmi et al. 2014.
+    Kazmi2014,
+    /// `E kappa / ((1 + kappa)(1 - 2 kappa))`; 2D only.
+    PlaneStrain,
+    /// `E kappa / (1 - kappa^2)`; 2D only.
+    PlaneStress,
+    /// `E kappa / ((1 + kappa)(1 - 2 kappa))`; 3D only.
+    ThreeDimensional,
+}
+
+/// The conventions.
+pub(super) const CONVENTIONS: Choice = Choice {
+    name: "Convention",
+    words: &[
+        "kazmi2014",
+        "plane_strain",
+        "plane_stress",
+        "three_dimensional",
+    ],
+};
+
+const fn parameter(key: &'static str, kind: ParameterKind, text: &'static str) -> Parameter {
+    Parameter { key, kind, text }
+}
+
+const VISCOSITY: [Parameter; 2] = [
+    parameter(
+        "mu1",
+        ParameterKind::Number("Pa.s"),
+        "Viscosity: coefficient of the trace.",
+    ),
+    parameter(
+        "mu2",
+        ParameterKind::Number("Pa.s"),
+        "Viscosity: coefficient of the strain rate.",
+    ),
+];
+
+const ELASTICITY: [Parameter; 3] = [
+    parameter("young", ParameterKind::Number("Pa"), "Young's modulus."),
+    parameter("poisson", ParameterKind::Number("1"), "Poisson's ratio."),
+    parameter(
+        "convention",
+        ParameterKind::Choice(&CONVENTIONS),
+        "How the coefficient of the trace follows from Young's modulus and Poisson's ratio.",
+    ),
+];
+
+/// `n c + d`, the eigenvalue on the identity.
+fn spherical(form: Form, dimension: usize) -> f64 {
+    dimension as f64 * form.lambda + form.two_mu
+}
+
+fn is_positive(value: f64) -> bool {
+    value.is_finite() && value > 0.0
+}
+
+impl Law for IsotropicViscosity {
+    fn parameters(&self) -> &'static [Parameter] {
+        &VISCOSITY
+    }
+
+    fn check(&self, dimension: usize, path: &str) -> Verdict {
+        let trace = spherical(self.form(), dimension);
+        ensure(is_positive(trace), || {
+            let (mu1, trace) = (number(self.mu1), number(trace));
+            Refusal::new(
+                format!("{path}.mu1"),
+                format!("{mu1} ({dimension} mu1 + mu2 = {trace})"),
+                format!("{dimension} mu1 + mu2 finite and > 0: otherwise the body gains energy"),
+            )
+        })
+    }
+
+    fn form(&self) -> Form {
+        Form {
+            lambda: self.mu1,
+            two_mu: self.mu2,
+        }
+    }
+}
+
+impl Law for IsotropicElasticity {
+    fn parameters(&self) -> &'static [Parameter] {
+        &ELASTICITY
+    }
+
+    fn check(&self, dimension: usize, path: &str) -> Verdict {
+        let allowed: &[Convention] = match dimension {
+            2 => &[
+                Convention::Kazmi2014,
+                Convention::PlaneStrain,
+                Convention::PlaneStress,
+            ],
+            _ => &[Convention::Kazmi2014, Convention::ThreeDimensional],
+        };
+        ensure(allowed.contains(&self.convention), || {
+            let found = format!("{} in {dimension} dimensions", json(&self.convention));
+            let names: Vec<String> = allowed.iter().map(json).collect();
+            Refusal::new(format!("{path}.convention"), found, names.join(", "))
+        })?;
+        let form = self.form();
+        let is_usable = is_positive(form.two_mu) && is_positive(spherical(form, dimension));
+        ensure(is_usable, || {
+            let (lambda, two_mu) = (number(form.lambda), number(form.two_mu));
+            let found = format!("lambda = {lambda}, 2 mu = {two_mu}");
+            let allowed = format!("2 mu and {dimension} lambda + 2 mu finite and > 0");
+            Refusal::new(path, found, allowed)
+        })
+    }
+
+    fn form(&self) -> Form {
+        let IsotropicElasticity {
+            young,
+            poisson,
+            convention,
+        } = *self;
+        let lambda = match convention {
+            Convention::Kazmi2014 => young * poisson / ((1.0 - poisson) * (1.0 - 2.0 * poisson)),
+            Convention::PlaneStrain | Convention::ThreeDimensional => {
+                young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson))
+            }
+            Convention::PlaneStress => young * poisson / (1.0 - poisson * poisson),
+        };
+        Form {
+            lambda,
+            two_mu: young / (1.0 + poisson),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn elasticity(convention: Convention) -> Form {
+        let law = IsotropicElasticity {
+            young: 1.0,
+            poisson: 0.3,
+            convention,
+        };
+        law.form()
+    }
+
+    /// The closed forms of lambda, evaluated by hand at E = 1, kappa = 0.3.
+    #[test]
+    fn lambda_follows_the_convention() {
+        for (convention, lambda) in [
+            (Convention::Kazmi2014, 0.3 / 0.28),
+            (Convention::PlaneStrain, 0.3 / 0.52),
+            (Convention::ThreeDimensional, 0.3 / 0.52),
+            (Convention::PlaneStress, 0.3 / 0.91),
+        ] {
+            let form = elasticity(convention);
+            assert!((form.lambda - lambda).abs() < 1e-15, "{convention:?}");
+            assert!((form.two_mu - 1.0 / 1.3).abs() < 1e-15);
+        }
+    }
+
+    /// Plane stress is uniaxial in the plane: `sigma_yy = 0` at `eps_yy = -kappa eps_xx` gives `sigma_xx = E eps_xx`.
+    #[test]
+    fn plane_stress_gives_youngs_modulus() {
+        let form = elasticity(Convention::PlaneStress);
+        let (xx, yy) = (1.0, -0.3);
+        assert!((form.lambda * (xx + yy) + form.two_mu * yy).abs() < 1e-15);
+        assert!((form.lambda * (xx + yy) + form.two_mu * xx - 1.0).abs() < 1e-15);
+    }
+
+    /// The declarations name the keys of the scene, and the choices its words.
+    #[test]
+    fn parameters_are_the_keys_of_the_scene() {
+        let viscosity = IsotropicViscosity { mu1: 1.0, mu2: 2.0 };
+        let elasticity = IsotropicElasticity {
+            young: 1.0,
+            poisson: 0.3,
+            convention: Convention::Kazmi2014,
+        };
+        for (json, law) in [
+            (serde_json::to_value(viscosity), &viscosity as &dyn Law),
+            (serde_json::to_value(elasticity), &elasticity),
+        ] {
+            let json = json.unwrap();
+            let keys: Vec<_> = json.as_object().unwrap().keys().cloned().collect();
+            let mut declared: Vec<_> = law.parameters().iter().map(|p| p.key).collect();
+            declared.sort_unstable();
+            assert_eq!(keys, declared);
+        }
+        for word in CONVENTIONS.words {
+            let read: Result<Convention, _> = serde_json::from_value((*word).into());
+            assert!(read.is_ok(), "{word}");
+        }
+    }
+}
