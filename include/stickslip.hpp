@@ -155,7 +155,7 @@ public:
                                               " values, found " + std::to_string(values.size()));
         check(stickslip_set_many(get(), references.data(), values.data(), values.size()));
     }
-    // STICKSLIP_OK, STICKSLIP_NOT_UNIQUE or STICKSLIP_AT_ROUNDING.
+    // STICKSLIP_OK, STICKSLIP_NOT_UNIQUE, STICKSLIP_AT_ROUNDING or STICKSLIP_DIGITS_LOST.
     std::int32_t do_step(double time, double step) { return check(stickslip_do_step(get(), time, step)); }
     void get_outputs(Span<double> values) const { check(stickslip_get_outputs(get(), values.data(), values.size())); }
     void get(std::uint32_t reference, Span<double> values) const {

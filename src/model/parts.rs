@@ -3,6 +3,7 @@
 
 use super::certificate::Certificate;
 use super::{BodyModel, LoadInput, Model, ReductionRecord, SolverSettings, Summary};
+use crate::body::digits::can_lose_in_steps;
 use crate::contact::Law;
 use crate::contact::solve::fixed_point::FixedPoint;
 use crate::error::Result;
@@ -125,6 +126,7 @@ fn ports(scene: &Scene, parts: &Parts, law: Law) -> Ports {
         probes: &probes,
         law,
         has_error_estimate: scene.time.estimates_error(),
+        can_lose_digits: can_lose_in_steps(scene, parts.rates[1], scene.time.step),
     })
 }
 

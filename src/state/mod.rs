@@ -82,7 +82,9 @@ pub(crate) mod report {
     pub const SOLUTION_GAP: usize = 3;
     /// 1 when the friction law holds as well as rounding allows, but not to the tolerance.
     pub const AT_ROUNDING: usize = 4;
-    pub const COUNT: usize = 5;
+    /// Largest share of displacement and slip that is rounding, by estimate; see `time::lost_digits`.
+    pub const LOST_DIGITS: usize = 5;
+    pub const COUNT: usize = 6;
 }
 
 /// Places in `State::control`.
