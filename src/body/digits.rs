@@ -17,8 +17,8 @@ use super::reduction::port_matrix::PortMatrix;
 use super::reduction::transfer::{Sample, Sampler};
 use crate::error::{Error, Result};
 use crate::fem::{Body, OperatorPair};
-use crate::qvi::Tableau;
 use crate::scene::Scene;
+use crate::time::scheme::Tableau;
 use faer::Mat;
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -30,8 +30,12 @@ const WORTH_A_LOOK: f64 = 0.1;
 
 /// Whether steps of `k` of a body with this fastest relaxation rate may lose digits of its displacement that the tolerance
 /// promises, whatever is left of its responses; see `crate::time::lost_digits`.
-pub(crate) fn can_lose_in_steps(scene: &Scene, fastest_rate: f64, k: f64) -> bool {
-    let tableau = Tableau::of(scene.time.scheme);
+pub(crate) fn can_lose_in_steps(
+    scene: &Scene,
+    tableau: &Tableau,
+    fastest_rate: f64,
+    k: f64,
+) -> bool {
     let takes_out = tableau.uses_start_velocity() && tableau.theta() > 0.0;
     takes_out && f64::EPSILON * k * fastest_rate > WORTH_A_LOOK * scene.fidelity.tolerance
 }

@@ -99,6 +99,10 @@ impl BodyModel for Full {
         self.0.operators.product(x, x)
     }
 
+    fn cancelled_norm(&self, scratch: &Scratch) -> f64 {
+        self.products(&scratch.free).1.sqrt()
+    }
+
     fn outputs(&self, x: &[f64], out: &mut [f64]) {
         self.0.outputs(x, out);
     }

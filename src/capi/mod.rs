@@ -31,7 +31,8 @@ pub const STICKSLIP_OK: i32 = 0;
 /// The step was taken, but the multiplicity test (scene: `fidelity.multiplicity_test`) found more than one solution.
 pub const STICKSLIP_NOT_UNIQUE: i32 = 1;
 /// The step was taken, but rounding kept the friction law from holding to `fidelity.friction_tolerance`: the output
-/// `solver.residual` tells to what share of the forces that meet at a contact node it holds, never worse than 1e-8.
+/// `solver.residual` tells to what share of the forces that meet at a contact node it holds, never worse than 1e-8, or than what
+/// moves slip rates and stresses of slipping nodes by less than the tolerance.
 pub const STICKSLIP_AT_ROUNDING: i32 = 2;
 /// The step was taken, but displacement and slip lost more digits to rounding than `fidelity.tolerance` allows: a step of
 /// millions of relaxation times with trapezoid or TR-BDF2 after a jump of the loads. The output `solver.lost_digits` tells the

@@ -230,6 +230,50 @@ impl<L: FrictionLaw> ContactProblem<'_, L> {
         Some(left)
     }
 
+    /// What is left of the residual of an exact point where all nodes slip that rounding keeps from the tolerance, and the
+    /// Newton step from there, with the turns of its nodes, changes what they show by less than the tolerance; `None` where that
+    /// is not so.
+    ///
+    /// A body that slips as a whole has forces between its nodes that are far larger than what holds it: neighbours then
+    /// differ in the last digits of their slip rates, and those digits alone are forces above the tolerance. The step is the
+    /// error of the slip rates, and through the slope of the bound that of the stresses.
+    #[inline(never)]
+    pub fn residual_of_slip(
+        &self,
+        point: &Point,
+        (step, turns): (&[f64], &[f64]),
+        yardstick: Yardstick,
+        tolerance: f64,
+    ) -> Option<f64> {
+        let measure = self.measure(point, yardstick)?;
+        let mut left: f64 = 0.0;
+        for node in 0..self.nodes() {
+            let own = self.own_forces(node, point, measure);
+            let violation = self.violation(node, point);
+            let rounding = self.rounding(node, point);
+            let rate = point.rates[node];
+            let mut change = norm(&step[self.at(node)]);
+            if self.components > 1 {
+                change += turns[node].abs() * rate;
+            }
+            // written so that what is not a number does not hold
+            let is_known = if rate > 0.0 {
+                let bound = point.law.bound[node];
+                violation <= rounding.max(tolerance * own)
+                    && change <= tolerance * rate
+                    && point.law.slope[node].abs() * change <= tolerance * bound
+            } else {
+                violation <= tolerance * own && rounding <= tolerance * own
+            };
+            if !is_known {
+                return None;
+            }
+            let scale = self.forces_that_meet(node, point).max(measure.least_forces);
+            left = left.max(violation / scale);
+        }
+        Some(left)
+    }
+
     /// What rounding leaves unknown of the forces at a node, N.
     fn rounding(&self, node: usize, point: &Point) -> f64 {
         let mut sum = point.law.bound[node];

@@ -126,7 +126,12 @@ fn ports(scene: &Scene, parts: &Parts, law: Law) -> Ports {
         probes: &probes,
         law,
         has_error_estimate: scene.time.estimates_error(),
-        can_lose_digits: can_lose_in_steps(scene, parts.rates[1], scene.time.step),
+        can_lose_digits: can_lose_in_steps(
+            scene,
+            &Tableau::of(scene.time.scheme),
+            parts.rates[1],
+            scene.time.step,
+        ),
     })
 }
 

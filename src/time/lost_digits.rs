@@ -13,7 +13,7 @@
 //! eps k sum_j b_j |w_j| / max(|u_n|, |u_{n+1}|)     at most some eps k r
 //! ```
 //!
-//! is rounding. The body is measured in the norm of its elasticity, `|u|^2 = u.B u`, which the stiffest shapes rule, and the slip
+//! is rounding. Where the velocity itself is what friction leaves of a free motion, the free motion counts. The body is measured in the norm of its elasticity, `|u|^2 = u.B u`, which the stiffest shapes rule, and the slip
 //! in the discrete L2 norm over the contact; the larger loss counts. Nothing is computed where `eps k r` is far below the
 //! tolerance: in all scenes but those of steps some millions of relaxation times long.
 
@@ -23,6 +23,11 @@ use super::workspace::Velocity;
 use crate::body::digits::{ALLOWED_LOSS, can_lose_in_steps};
 use crate::state::{State, energy, report};
 
+/// Whether internal steps of `k` may lose digits.
+pub(crate) fn can_lose(model: &Model, k: f64) -> bool {
+    can_lose_in_steps(model.scene(), model.tableau(), model.summary().rates[1], k)
+}
+
 /// The sizes at the beginning of an internal step.
 pub(crate) struct Before {
     body: f64,
@@ -31,8 +36,7 @@ pub(crate) struct Before {
 
 /// The sizes at the beginning of an internal step of `k`; `None` where it can lose nothing.
 pub(crate) fn before(model: &Model, state: &State, k: f64) -> Option<Before> {
-    let is_stiff = can_lose_in_steps(model.scene(), model.summary().rates[1], k);
-    is_stiff.then(|| Before {
+    can_lose(model, k).then(|| Before {
         body: elastic_norm(state),
         slip: contact_norm(model, |i| state.slip[i]),
     })
@@ -44,8 +48,11 @@ impl Before {
         let (mut body, mut slip) = (0.0, 0.0);
         for (j, velocity) in velocities.iter().enumerate() {
             let weight = k * model.tableau().weight(j);
-            body += weight * model.body().products(&velocity.instant.velocity).1.sqrt();
-            slip += weight * contact_norm(model, |i| velocity.instant.slip_rate[i]);
+            let instant = &velocity.instant;
+            let left = model.body().products(&instant.velocity).1.sqrt();
+            let cancelled = instant.cancelled.first().copied().unwrap_or(0.0);
+            body += weight * left.max(cancelled);
+            slip += weight * contact_norm(model, |i| instant.slip_rate[i]);
         }
         let of_body = lost(body, self.body.max(elastic_norm(state)));
         let of_slip = lost(slip, self.slip.max(contact_norm(model, |i| state.slip[i])));

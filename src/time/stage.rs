@@ -27,6 +27,9 @@ pub(crate) fn solve_stage(
         &mut ws.condensed_load,
         &mut ws.scratch,
     );
+    if let [cancelled] = &mut ws.velocities[index].instant.cancelled[..] {
+        *cancelled = body.cancelled_norm(&ws.scratch);
+    }
     let contact = ContactProblem {
         s: stage.s.as_ref(),
         r: &ws.condensed_load,

@@ -203,6 +203,7 @@ impl<L: FrictionLaw> WithSimd for Solve<'_, '_, '_, L> {
             ws.cache.prepare(problem, at);
         }
         let (mut slow, mut is_at_rounding) = (0, false);
+        let (mut best, mut stalled) = (residual, 0);
         let mut far = 0;
         ws.is_careful = false;
         ws.direction.begin();
@@ -218,6 +219,12 @@ impl<L: FrictionLaw> WithSimd for Solve<'_, '_, '_, L> {
             if (iterations == 0 || slow > 0 || ws.is_careful)
                 && problem.residual(simd, &ws.accepted, Yardstick::default()) <= LARGEST_FLOOR
                 && let Some(left) = at_rounding(problem, tolerance, ws)
+            {
+                (residual, is_at_rounding) = (left, true);
+                break;
+            }
+            if stalled >= PATIENCE
+                && let Some(left) = at_rounding_of_slip(problem, tolerance, at, ws)
             {
                 (residual, is_at_rounding) = (left, true);
                 break;
@@ -249,6 +256,11 @@ impl<L: FrictionLaw> WithSimd for Solve<'_, '_, '_, L> {
                 slow + 1
             } else {
                 0
+            };
+            (best, stalled) = if residual > SLOW * best {
+                (best, stalled + 1)
+            } else {
+                (residual, 0)
             };
             far = if residual > FAR && !crawls {
                 far + 1
@@ -287,6 +299,27 @@ fn at_rounding<L: FrictionLaw>(
         ws.is_careful = true;
     }
     problem.residual_beyond_rounding(&ws.accepted, ws.yardstick, tolerance)
+}
+
+/// The residual that is left where steps no longer change the slip rates; see [`ContactProblem::residual_of_slip`].
+#[inline(never)]
+fn at_rounding_of_slip<L: FrictionLaw>(
+    problem: &ContactProblem<L>,
+    tolerance: f64,
+    at: &mut Linearisation,
+    ws: &mut Workspace,
+) -> Option<f64> {
+    if !ws.accepted.is_exact {
+        problem.complete(&mut ws.accepted);
+        ws.is_careful = true;
+    }
+    let (direction, cache) = (&mut ws.direction, &mut ws.cache);
+    direction.note(None);
+    if !direction.find(Scalar, problem, &ws.accepted, at, cache, 0) || direction.is_majorised {
+        return None;
+    }
+    let changes = (&*direction.step, &*direction.turns);
+    problem.residual_of_slip(&ws.accepted, changes, ws.yardstick, tolerance)
 }
 
 /// Nodes so slow that underflow takes digits from their slip rate are at rest.
