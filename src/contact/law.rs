@@ -18,6 +18,18 @@ pub trait FrictionLaw {
     fn slip_slope(&self, _node: usize, _rate: f64, _slip: SlipPath) -> f64 {
         0.0
     }
+    /// Largest bound at rest over the nodes, times their weights, N.
+    fn largest_at_rest(&self, nodes: Nodes) -> f64 {
+        let slips = nodes.weights.iter().zip(nodes.slip_base).enumerate();
+        let bounds = slips.map(|(node, (weight, base))| {
+            let slip = SlipPath {
+                base: *base,
+                per_rate: nodes.per_rate,
+            };
+            weight * self.bound(node, 0.0, slip)
+        });
+        bounds.fold(0.0, f64::max)
+    }
     /// Integral of the bound over the slip rate from 0 to `rate`, W/m^2.
     fn potential(&self, node: usize, rate: f64, slip: SlipPath) -> f64;
 
@@ -184,6 +196,10 @@ impl FrictionLaw for Law {
             }
             Law::Exponential { a, .. } => a * rate,
         }
+    }
+
+    fn largest_at_rest(&self, nodes: Nodes) -> f64 {
+        self.static_bound() * nodes.weights.iter().copied().fold(0.0, f64::max)
     }
 
     fn evaluate(&self, node: usize, rate: f64, slip: SlipPath) -> Evaluation {

@@ -99,14 +99,20 @@ impl<L: FrictionLaw> ContactProblem<'_, L> {
         0.5 * (a + d) + length(0.5 * (a - d), b)
     }
 
-    /// Completes a point from its velocities.
+    /// Takes the product with S of a point that is complete but for that.
     #[inline(always)]
-    pub fn complete(&self, point: &mut Point) {
+    pub fn make_exact(&self, point: &mut Point) {
         multiply(self.s, &point.w, &mut point.y);
         for (y, r) in point.y.iter_mut().zip(self.r) {
             *y -= r;
         }
         point.is_exact = true;
+    }
+
+    /// Completes a point from its velocities.
+    #[inline(always)]
+    pub fn complete(&self, point: &mut Point) {
+        self.make_exact(point);
         if self.components == 1 {
             for (rate, w) in point.rates.iter_mut().zip(&point.w) {
                 *rate = w.abs();
@@ -134,9 +140,14 @@ impl<L: FrictionLaw> ContactProblem<'_, L> {
 
     /// What the violated forces of a point are measured against; it does not change in a solve.
     pub fn yardstick(&self) -> Yardstick {
-        let bounds = (0..self.nodes()).map(|node| self.bound_at_rest(node));
+        let nodes = Nodes {
+            weights: self.weights,
+            rates: &[],
+            slip_base: self.slip_base,
+            per_rate: self.theta_k,
+        };
         Yardstick {
-            least_bound: SCALE_FLOOR * bounds.fold(0.0, f64::max),
+            least_bound: SCALE_FLOOR * self.law.largest_at_rest(nodes),
         }
     }
 
@@ -302,6 +313,19 @@ impl<L: FrictionLaw> ContactProblem<'_, L> {
     /// Contact forces Lambda of a point, N: a node that slips carries exactly its bound against the slip rate, one that sticks
     /// what the body asks for, within its bound.
     pub fn forces(&self, point: &Point, force: &mut [f64]) {
+        if self.components == 1 {
+            let nodes = point.w.iter().zip(&point.y).zip(&point.law.bound);
+            for (force, ((w, y), bound)) in force.iter_mut().zip(nodes) {
+                *force = if *w != 0.0 {
+                    bound.copysign(*w)
+                } else if y.abs() > *bound {
+                    -bound.copysign(*y)
+                } else {
+                    -y
+                };
+            }
+            return;
+        }
         for (node, force) in force.chunks_exact_mut(self.components).enumerate() {
             let (rate, bound) = (point.rates[node], point.law.bound[node]);
             let (w, y) = (&point.w[self.at(node)], &point.y[self.at(node)]);

@@ -209,7 +209,7 @@ impl<L: FrictionLaw> WithSimd for Solve<'_, '_, '_, L> {
         ws.direction.begin();
         loop {
             if residual <= tolerance && !ws.accepted.is_exact {
-                problem.complete(&mut ws.accepted);
+                problem.make_exact(&mut ws.accepted);
                 residual = problem.residual(simd, &ws.accepted, yardstick);
                 ws.is_careful = true;
             }
@@ -295,7 +295,7 @@ fn at_rounding<L: FrictionLaw>(
     ws: &mut Workspace,
 ) -> Option<f64> {
     if !ws.accepted.is_exact {
-        problem.complete(&mut ws.accepted);
+        problem.make_exact(&mut ws.accepted);
         ws.is_careful = true;
     }
     problem.residual_beyond_rounding(&ws.accepted, ws.yardstick, tolerance)
@@ -310,7 +310,7 @@ fn at_rounding_of_slip<L: FrictionLaw>(
     ws: &mut Workspace,
 ) -> Option<f64> {
     if !ws.accepted.is_exact {
-        problem.complete(&mut ws.accepted);
+        problem.make_exact(&mut ws.accepted);
         ws.is_careful = true;
     }
     let (direction, cache) = (&mut ws.direction, &mut ws.cache);

@@ -17,7 +17,7 @@ use crate::contact::point::Point;
 use crate::contact::problem::{ContactProblem, norm};
 
 /// A difference in curvature below this share of what the node resists with is left to the iteration.
-pub const NOTICEABLE: f64 = 0.03;
+pub const NOTICEABLE: f64 = 0.015;
 /// Terms allowed: an eighth of the contact components, within limits. Half of them are for nodes that stick and are freed all
 /// the same, because they may slip soon.
 const TERMS: std::ops::RangeInclusive<usize> = 4..=96;
