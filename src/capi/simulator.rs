@@ -250,12 +250,12 @@ pub unsafe extern "C" fn stickslip_set_many(
 }
 
 /// Steps from `time` to `time + step` (s). `time` is where the simulation stands, up to rounding; a step of any size is cut
-/// into internal steps. Allocates nothing once the step size is known. Returns `NOT_UNIQUE` (> 0) when the step was
-/// taken but the multiplicity test found other solutions, `AT_ROUNDING` (> 0) when it was taken but rounding kept the friction
-/// law from holding to its tolerance, `DIGITS_LOST` (> 0) when it was taken but rounding took more of displacement and slip than
-/// the tolerance of the body allows; the first that applies of `NOT_UNIQUE`, `DIGITS_LOST`, `AT_ROUNDING`. Errors, with the state bit for bit as before: `CALL_ORDER` before
-/// `stickslip_init`, `STEP`, `VALUE` for friction coefficients that do not fit each other, `NOT_CONVERGED`,
-/// `TOLERANCE_OUT_OF_REACH`, `OVERFLOW` for results that are too large for a number.
+/// into internal steps. Allocates nothing once the step size is known. Returns a note (> 0) on a step that was taken, the first
+/// that applies: `NOT_UNIQUE` when the multiplicity test found other solutions, `DIGITS_LOST` when rounding took more of
+/// displacement and slip than the tolerance of the body allows, `AT_ROUNDING` when rounding kept the friction law from holding
+/// to its tolerance. Errors, with the state bit for bit as before: `CALL_ORDER` before `stickslip_init`, `STEP`, `VALUE` for
+/// friction coefficients that do not fit each other, `NOT_CONVERGED`, `TOLERANCE_OUT_OF_REACH`, `OVERFLOW` for results that
+/// are too large for a number.
 ///
 /// # Safety
 /// `simulator` is NULL or live.

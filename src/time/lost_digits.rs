@@ -17,10 +17,10 @@
 //! in the discrete L2 norm over the contact; the larger loss counts. Nothing is computed where `eps k r` is far below the
 //! tolerance: in all scenes but those of steps some millions of relaxation times long.
 
-use crate::model::Model;
 use super::control::contact_norm;
 use super::workspace::Velocity;
 use crate::body::digits::{ALLOWED_LOSS, can_lose_in_steps};
+use crate::model::Model;
 use crate::state::{State, energy, report};
 
 /// Whether internal steps of `k` may lose digits.
