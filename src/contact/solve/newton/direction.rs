@@ -18,7 +18,7 @@
 use super::attempts::Attempts;
 use super::last::Last;
 use super::linearisation::{Factor, FactorCache, Linearisation};
-use super::second_variation::{NOTICEABLE, SecondVariation, WORTH_A_TERM, term_capacity};
+use super::second_variation::{NOTICEABLE, SecondVariation, term_capacity};
 use super::small::{SmallSystem, Term};
 use crate::contact::law::FrictionLaw;
 use crate::contact::plane::{self, Motion};
@@ -198,7 +198,7 @@ impl Direction {
             let differences = &mut self.differences;
             let largest = plane::differences(simd, normal, slope, at_hand, differences);
             // NaN is a difference
-            if largest <= WORTH_A_TERM {
+            if largest <= NOTICEABLE {
                 return true;
             }
         } else {
@@ -210,9 +210,7 @@ impl Direction {
             normal: &self.normal,
             weakening: self.attempts.current().weakening,
         };
-        [WORTH_A_TERM, NOTICEABLE]
-            .into_iter()
-            .any(|least| wanted.list_terms(factor, &self.differences, least, &mut self.terms))
+        wanted.list_terms(factor, &self.differences, &mut self.terms)
     }
 
     /// The step of the matrix wanted, from the factor at hand, the terms and the last step.

@@ -18,8 +18,6 @@ use crate::contact::problem::{ContactProblem, norm};
 
 /// A difference in curvature below this share of what the node resists with is left to the iteration.
 pub const NOTICEABLE: f64 = 0.03;
-/// The same as long as there are terms left for the differences between this share and the other one: they save an iteration.
-pub const WORTH_A_TERM: f64 = 0.015;
 /// Terms allowed: an eighth of the contact components, within limits. Half of them are for nodes that stick and are freed all
 /// the same, because they may slip soon.
 const TERMS: std::ops::RangeInclusive<usize> = 4..=96;
@@ -123,21 +121,15 @@ impl<L: FrictionLaw> SecondVariation<'_, '_, L> {
         });
     }
 
-    /// The terms by which K differs from the matrix at hand at the nodes whose `differences` are beyond `least`; false when they
+    /// The terms by which K differs from the matrix at hand at the nodes whose `differences` are noticeable; false when they
     /// are too many or a node moves that is not free.
     #[inline(never)]
-    pub fn list_terms(
-        &self,
-        factor: &Factor,
-        differences: &[f64],
-        least: f64,
-        terms: &mut Vec<Term>,
-    ) -> bool {
+    pub fn list_terms(&self, factor: &Factor, differences: &[f64], terms: &mut Vec<Term>) -> bool {
         let c = self.problem.components;
         let most = most_terms(self.point.w.len());
         terms.clear();
         for (node, difference) in differences.iter().enumerate() {
-            if *difference <= least {
+            if *difference <= NOTICEABLE {
                 continue;
             }
             let moves = self.moves(node);
@@ -151,7 +143,7 @@ impl<L: FrictionLaw> SecondVariation<'_, '_, L> {
                 let own = factor.yielding[self.problem.at(node)].iter();
                 let yielding = own.fold(0.0, |most: f64, y| y.max(most));
                 for (delta, e) in self.differences(node, factor) {
-                    if delta.abs() * yielding > least {
+                    if delta.abs() * yielding > NOTICEABLE {
                         let reciprocal = 1.0 / delta;
                         terms.push(Term {
                             place,
