@@ -49,8 +49,14 @@
 #define STICKSLIP_NOT_UNIQUE 1
 
 // The step was taken, but rounding kept the friction law from holding to `fidelity.friction_tolerance`: the output
-// `solver.residual` tells to what share of the forces that meet at a contact node it holds, never worse than 1e-8.
+// `solver.residual` tells to what share of the forces that meet at a contact node it holds, never worse than 1e-8, or than what
+// moves slip rates and stresses of slipping nodes by less than the tolerance.
 #define STICKSLIP_AT_ROUNDING 2
+
+// The step was taken, but displacement and slip lost more digits to rounding than `fidelity.tolerance` allows: a step of
+// millions of relaxation times with trapezoid or TR-BDF2 after a jump of the loads. The output `solver.lost_digits` tells the
+// share by estimate; stresses and energies may be off by some times as much. Backward Euler keeps the digits.
+#define STICKSLIP_DIGITS_LOST 3
 
 // Causality of a port: set before a step, by default its value at the end of the step (`stickslip_set_inputs_meaning`).
 #define STICKSLIP_INPUT 0
@@ -372,11 +378,12 @@ int32_t stickslip_set_values(struct stickslip_simulator *simulator,
                              size_t value_count);
 
 // Steps from `time` to `time + step` (s). `time` is where the simulation stands, up to rounding; a step of any size is cut
-// into internal steps. Allocates nothing once the step size is known. Returns `NOT_UNIQUE` (> 0) when the step was
-// taken but the multiplicity test found other solutions, `AT_ROUNDING` (> 0) when it was taken but rounding kept the friction
-// law from holding to its tolerance. Errors, with the state bit for bit as before: `CALL_ORDER` before
-// `stickslip_init`, `STEP`, `VALUE` for friction coefficients that do not fit each other, `NOT_CONVERGED`,
-// `TOLERANCE_OUT_OF_REACH`, `OVERFLOW` for results that are too large for a number.
+// into internal steps. Allocates nothing once the step size is known. Returns a note (> 0) on a step that was taken, the first
+// that applies: `NOT_UNIQUE` when the multiplicity test found other solutions, `DIGITS_LOST` when rounding took more of
+// displacement and slip than the tolerance of the body allows, `AT_ROUNDING` when rounding kept the friction law from holding
+// to its tolerance. Errors, with the state bit for bit as before: `CALL_ORDER` before `stickslip_init`, `STEP`, `VALUE` for
+// friction coefficients that do not fit each other, `NOT_CONVERGED`, `TOLERANCE_OUT_OF_REACH`, `OVERFLOW` for results that
+// are too large for a number.
 int32_t stickslip_do_step(struct stickslip_simulator *simulator,
                           double time,
                           double step);
@@ -547,11 +554,12 @@ int32_t stickslip_set_values(struct stickslip_simulator *simulator,
                              size_t value_count);
 
 // Steps from `time` to `time + step` (s). `time` is where the simulation stands, up to rounding; a step of any size is cut
-// into internal steps. Allocates nothing once the step size is known. Returns `NOT_UNIQUE` (> 0) when the step was
-// taken but the multiplicity test found other solutions, `AT_ROUNDING` (> 0) when it was taken but rounding kept the friction
-// law from holding to its tolerance. Errors, with the state bit for bit as before: `CALL_ORDER` before
-// `stickslip_init`, `STEP`, `VALUE` for friction coefficients that do not fit each other, `NOT_CONVERGED`,
-// `TOLERANCE_OUT_OF_REACH`, `OVERFLOW` for results that are too large for a number.
+// into internal steps. Allocates nothing once the step size is known. Returns a note (> 0) on a step that was taken, the first
+// that applies: `NOT_UNIQUE` when the multiplicity test found other solutions, `DIGITS_LOST` when rounding took more of
+// displacement and slip than the tolerance of the body allows, `AT_ROUNDING` when rounding kept the friction law from holding
+// to its tolerance. Errors, with the state bit for bit as before: `CALL_ORDER` before `stickslip_init`, `STEP`, `VALUE` for
+// friction coefficients that do not fit each other, `NOT_CONVERGED`, `TOLERANCE_OUT_OF_REACH`, `OVERFLOW` for results that
+// are too large for a number.
 int32_t stickslip_do_step(struct stickslip_simulator *simulator,
                           double time,
                           double step);

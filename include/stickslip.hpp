@@ -152,7 +152,7 @@ public:
     void set(Span<const std::uint32_t> references, Span<const double> values) {
         check(stickslip_set_values(get(), references.data(), references.size(), values.data(), values.size()));
     }
-    // STICKSLIP_OK, STICKSLIP_NOT_UNIQUE or STICKSLIP_AT_ROUNDING.
+    // STICKSLIP_OK, STICKSLIP_NOT_UNIQUE, STICKSLIP_AT_ROUNDING or STICKSLIP_DIGITS_LOST.
     std::int32_t do_step(double time, double step) { return check(stickslip_do_step(get(), time, step)); }
     void get_outputs(Span<double> values) const { check(stickslip_get_outputs(get(), values.data(), values.size())); }
     void get(std::uint32_t reference, Span<double> values) const {

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{paper, started, steps, strain_norm};
+use common::{larger, paper, started, steps, strain_norm};
 use std::sync::Arc;
 use stickslip::Compilation;
 
@@ -48,7 +48,7 @@ fn errors(scheme: &str, start: &str, counts: &[usize]) -> Vec<f64> {
                     let error: Vec<f64> = field.iter().zip(exact).map(|(a, b)| a - b).collect();
                     strain_norm(&compilation, &error)
                 })
-                .fold(0.0, f64::max)
+                .fold(0.0, larger)
         })
         .collect()
 }

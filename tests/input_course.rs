@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::paper;
+use common::{larger, paper};
 use stickslip::scene::Inputs;
 use stickslip::{Error, Scene, Simulator, compile};
 
@@ -114,7 +114,7 @@ fn continued_loads_are_of_second_order_where_they_are_smooth() {
     let reference = run(Inputs::EndOfStep, 1.0 / 1024.0);
     let error = |meaning, h| {
         let pairs = run(meaning, h).into_iter().zip(&reference);
-        pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+        pairs.map(|(a, b)| (a - b).abs()).fold(0.0, larger)
     };
     let order = |meaning| (error(meaning, 1.0 / 32.0) / error(meaning, 1.0 / 64.0)).log2();
     let (hold, continued) = (order(Inputs::Hold), order(Inputs::Continue));

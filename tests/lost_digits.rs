@@ -5,7 +5,7 @@
 
 mod common;
 
-use common::relative;
+use common::{larger, relative};
 use serde_json::{Value, json};
 use stickslip::{Error, ErrorCode, Scene, Simulator, compile};
 
@@ -76,7 +76,7 @@ fn what_is_answered_is_right_to_ten_tolerances_and_the_rest_is_refused_by_every_
             match errors(&case, model, TOLERANCE) {
                 Ok((found, lost)) => {
                     println!("{}, {model}: {found:?}, lost {lost:.1e}", case.name);
-                    let worst = found[0].max(found[1]);
+                    let worst = larger(found[0], found[1]);
                     assert!(
                         worst < 10.0 * TOLERANCE,
                         "{}, {model}: {worst:e}",
@@ -115,7 +115,7 @@ fn the_estimate_is_that_of_the_error() {
             let Ok((found, lost)) = errors(&case, model, 0.1) else {
                 continue;
             };
-            let worst = found[0].max(found[1]);
+            let worst = larger(found[0], found[1]);
             // below that the tolerance of the friction solver is felt
             if worst > 1e-8 {
                 assert!(

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{paper, start, value, values};
+use common::{larger, paper, start, value, values};
 use stickslip::{Error, Model, Scene, Simulator, compile};
 
 const SINGLE: (&str, &str) = ("fidelity.precision", "single");
@@ -29,7 +29,7 @@ fn errors(scene: &Scene) -> [f64; 2] {
         common::steps(&mut reduced, 1.0 / 32.0, 1);
         for (i, port) in PORTS.into_iter().enumerate() {
             for (a, b) in values(&reduced, port).iter().zip(values(&whole, port)) {
-                off[i] = off[i].max((a - b).abs());
+                off[i] = larger(off[i], (a - b).abs());
                 scale[i] = scale[i].max(b.abs());
             }
         }

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{largest, paper, start, steps, value, values};
+use common::{larger, largest, paper, start, steps, value, values};
 use serde_json::Value;
 
 /// Largest error relative to the largest value of the field.
@@ -60,7 +60,7 @@ fn check(name: &str) {
                 assert_eq!(found.len(), expected.len());
                 let difference: Vec<f64> =
                     found.iter().zip(&expected).map(|(a, b)| a - b).collect();
-                error[i] = error[i].max(largest(&difference));
+                error[i] = larger(error[i], largest(&difference));
                 scale[i] = scale[i].max(largest(&expected));
             }
         }

@@ -48,3 +48,33 @@ fn no_note_without_need() {
         }
     }
 }
+
+/// A column 485 times as high as wide, under steps of 1e4 s: it slips as a whole, and the forces between its three contact nodes are
+/// 1e10 times what holds it back. The last digits of the slip rates are forces above the tolerance, but nothing else is.
+#[test]
+fn a_tall_body_slips_as_a_whole() {
+    let text = include_str!("cases/tall_column.json");
+    let mut tried = 0;
+    for cuts in [1, 2, 3] {
+        let scene = stickslip::Scene::from_json(text, "tall_column").unwrap();
+        let step = scene.time.step;
+        let mut simulator = start(&scene);
+        for load in [0.19968834593675414, -0.24414628961843376] {
+            simulator.set_inputs(&[load]).unwrap();
+            simulator
+                .do_step(simulator.time(), f64::from(cuts) * step)
+                .unwrap();
+            assert!(value(&simulator, "solver.iterations") < 40.0 * f64::from(cuts));
+            let rates = common::values(&simulator, "contact.slip_rate");
+            let stresses = common::values(&simulator, "contact.tangential_stress");
+            for (w, stress) in rates.iter().zip(&stresses) {
+                if *w != 0.0 {
+                    let off = stress / (-0.1096708488366106 * w.signum()) - 1.0;
+                    assert!(off.abs() < 1e-12, "{off:e}");
+                    tried += 1;
+                }
+            }
+        }
+    }
+    assert!(tried > 6, "{tried}");
+}

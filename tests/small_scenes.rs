@@ -3,6 +3,7 @@
 
 mod common;
 
+use common::larger;
 use common::random::Random;
 use serde_json::{Value, json};
 use stickslip::scene::ModelKind;
@@ -148,7 +149,7 @@ fn course(value: &Value, model: &str) -> Result<(Seen, ModelKind), String> {
     Ok((seen, kind))
 }
 
-/// Largest difference of two courses, relative to the largest value of a port, and where.
+/// Largest difference of two courses, relative to the largest value of a port, and where; NaN where a value is none.
 fn difference(a: &[(String, Vec<f64>)], b: &[(String, Vec<f64>)]) -> (f64, String) {
     let mut worst = (0.0, String::new());
     let of = |kind: &str| {
@@ -167,7 +168,10 @@ fn difference(a: &[(String, Vec<f64>)], b: &[(String, Vec<f64>)]) -> (f64, Strin
         let off = a
             .iter()
             .zip(b)
-            .fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
+            .fold(0.0_f64, |m, (a, b)| larger(m, (a - b).abs()));
+        if off.is_nan() {
+            return (off, name.clone());
+        }
         if off > worst.0 * scale {
             worst = (off / scale, name.clone());
         }

@@ -146,3 +146,82 @@ fn chosen_steps_resolve_the_transient_and_grow() {
         }
     }
 }
+
+/// Beyond that the velocity after a jump, times the step, takes digits from the displacement. The step says how many: the slip
+/// after it, first / r times (1 - amplification), is off by no more than that, and backward Euler loses nothing.
+#[test]
+fn lost_digits_are_told() {
+    let mut worst: f64 = 0.0;
+    for product in [1e5, 1e9, 1e12] {
+        for scheme in ["trapezoid", "backward_euler", "tr_bdf2"] {
+            let frictionless = json!({"law": "frictionless"});
+            let mut value_of_scene = stiff(scheme, "hold", frictionless, product);
+            value_of_scene["loads"][0]["start"] = json!(0.7);
+            let mut simulator = start(&scene(&value_of_scene));
+            let first = value(&simulator, "contact.slip_rate");
+            step(&mut simulator, 0.7, product / RATE);
+            let is_lossy = scheme != "backward_euler" && product > 1e6;
+            let shown = simulator.get_by_name("solver.lost_digits");
+            assert_eq!(shown.is_ok(), is_lossy, "{scheme} {product:e}");
+            assert_eq!(simulator.lost_digits().is_some(), is_lossy);
+            let right = first / RATE * (1.0 - amplification(scheme, product));
+            let off = (value(&simulator, "contact.slip") / right - 1.0).abs();
+            match simulator.lost_digits() {
+                Some(lost) => {
+                    assert_eq!(shown.unwrap(), [lost]);
+                    let most = f64::EPSILON * product;
+                    assert!(lost > 2e-8 && lost < 2.0 * most, "{scheme}: {lost:e}");
+                    assert!(off < 3.0 * lost, "{scheme} {product:e}: {off:e} {lost:e}");
+                    worst = worst.max(off);
+                }
+                None => assert!(off < 1e-9, "{scheme} {product:e}: {off:e}"),
+            }
+        }
+    }
+    // a note about nothing would be none
+    assert!(worst > 1e-6, "{worst:e}");
+}
+
+/// A step of 1e15 relaxation times runs, and says that nothing of its displacement is right.
+#[test]
+fn a_ratio_of_1e15_runs_with_the_note() {
+    let text = include_str!("cases/trapezoid_ratio_1e15.json");
+    let scene = stickslip::Scene::from_json(text, "trapezoid_ratio_1e15").unwrap();
+    let mut simulator = start(&scene);
+    for _ in 0..6 {
+        simulator.do_step(simulator.time(), 0.02).unwrap();
+        let lost = simulator.lost_digits().unwrap();
+        assert!(lost > 1e-3 && lost <= 1.0, "{lost:e}");
+    }
+}
+
+#[cfg(feature = "capi")]
+#[test]
+#[allow(unsafe_code)]
+fn the_note_has_a_code_in_c() {
+    use std::ffi::{CStr, CString};
+    use stickslip::capi::*;
+    let text = CString::new(include_str!("cases/trapezoid_ratio_1e15.json")).unwrap();
+    let (mut model, mut simulator) = (std::ptr::null_mut(), std::ptr::null_mut());
+    // SAFETY: handles live until they are freed, texts as long as they are read
+    unsafe {
+        assert_eq!(stickslip_model_compile(text.as_ptr(), &mut model), 0);
+        assert_eq!(stickslip_new(model, &mut simulator), 0);
+        assert_eq!(stickslip_init(simulator, 0.0), 0);
+        assert_eq!(
+            stickslip_do_step(simulator, 0.0, 0.02),
+            STICKSLIP_DIGITS_LOST
+        );
+        let name = CStr::from_ptr(stickslip_code_name(STICKSLIP_DIGITS_LOST));
+        assert_eq!(name, c"DIGITS_LOST");
+        let mut said = [0; 512];
+        stickslip_last_error(said.as_mut_ptr(), said.len());
+        let said = CStr::from_ptr(said.as_ptr()).to_str().unwrap();
+        assert!(
+            said.contains("lost about") && said.contains("backward_euler"),
+            "{said}"
+        );
+        stickslip_free(simulator);
+        stickslip_model_free(model);
+    }
+}

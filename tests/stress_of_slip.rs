@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{largest, paper, relative, start, value, values};
+use common::{larger, largest, paper, relative, start, value, values};
 use stickslip::{Scene, Simulator};
 
 /// Largest difference between the stress at nodes that slip and the bound there, relative to it; and how many slip.
@@ -21,7 +21,7 @@ fn distance_from_the_law(simulator: &Simulator, bound: impl Fn(f64) -> f64) -> (
         slipping += 1;
         for (w, stress) in w.iter().zip(stress) {
             let expected = -bound(rate) * w / rate;
-            worst = worst.max((stress - expected).abs() / bound(rate));
+            worst = larger(worst, (stress - expected).abs() / bound(rate));
         }
     }
     (worst, slipping)
@@ -167,7 +167,7 @@ fn the_tolerance_is_one_of_the_stress() {
         let mut worst: f64 = 0.0;
         for (loose, tight) in loose.iter().zip(&tight) {
             assert!(largest(tight) >= 0.001 - 1e-15);
-            worst = worst.max(relative(loose, tight));
+            worst = larger(worst, relative(loose, tight));
         }
         assert!(worst < 3e-4, "load {load}: {worst:e}");
     }

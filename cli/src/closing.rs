@@ -113,6 +113,19 @@ impl Closing {
                 ),
             },
         ));
+        if effort.lossy > 0 {
+            rows.push((
+                "lost digits",
+                format!(
+                    "in {} of {} communication steps displacement and slip lost up to {:.1e} to rounding, by estimate: stress and \
+                     energies may be off by some times that, beyond the tolerance of {:.1e}; backward_euler keeps the digits",
+                    effort.lossy,
+                    effort.iterations.len(),
+                    effort.lost_digits,
+                    model.scene().fidelity.tolerance
+                ),
+            ));
+        }
         if let Some(found) = effort.multiplicity {
             rows.push(("several solutions", several(found, effort.iterations.len())));
         }

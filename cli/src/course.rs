@@ -41,6 +41,10 @@ pub struct Effort {
     pub residual: f64,
     /// Communication steps in which rounding kept the friction law from holding to the tolerance.
     pub at_rounding: u64,
+    /// Communication steps in which displacement and slip lost more digits than the tolerance allows.
+    pub lossy: u64,
+    /// Largest share that was lost in one of them.
+    pub lost_digits: f64,
     /// What the test for several solutions found, where it is on.
     pub multiplicity: Option<Multiplicity>,
     /// Largest estimate of the error in time, where there is one.
@@ -105,6 +109,10 @@ pub fn follow(
         let residual = scalar("solver.residual").map_err(&failed)?;
         effort.residual = effort.residual.max(residual);
         effort.at_rounding += u64::from(simulator.residual_at_rounding().is_some());
+        if let Some(lost) = simulator.lost_digits() {
+            effort.lossy += 1;
+            effort.lost_digits = effort.lost_digits.max(lost);
+        }
         if let Ok(estimate) = scalar("solver.error_estimate") {
             effort.error_estimate = Some(effort.error_estimate.unwrap_or(0.0).max(estimate));
         }

@@ -472,3 +472,25 @@ fn embedded_scenes_follow_the_advice_of_check() {
         );
     }
 }
+
+/// Steps that lose digits say so in the closing table, and `check` says it before.
+#[test]
+fn lost_digits_show_in_the_closing_table() {
+    let shell = Shell::new();
+    let text = include_str!("../../tests/cases/trapezoid_ratio_1e15.json");
+    shell.write("stiff.json", text);
+    let outcome = shell.run(&["run", "stiff.json"]);
+    assert_eq!(outcome.status, 0, "{}", outcome.stderr);
+    let shown = outcome.stdout + &outcome.stderr;
+    assert!(
+        shown.contains("in 6 of 6 communication steps displacement and slip lost"),
+        "{shown}"
+    );
+    assert!(
+        shell
+            .succeed(&["check", "stiff.json"])
+            .contains("lost digits")
+    );
+    let ordinary = shell.run(&["run", "kazmi2014"]);
+    assert!(!(ordinary.stdout + &ordinary.stderr).contains("lost digits"));
+}

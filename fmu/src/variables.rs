@@ -65,7 +65,8 @@ impl Follows {
             | Quantity::Iterations
             | Quantity::Residual
             | Quantity::Solutions
-            | Quantity::SolutionGap => Follows::Loads,
+            | Quantity::SolutionGap
+            | Quantity::LostDigits => Follows::Loads,
             Quantity::ErrorEstimate => Follows::LoadsAfterStart,
             Quantity::Load(_)
             | Quantity::Coefficient(_)

@@ -17,11 +17,28 @@ use super::reduction::port_matrix::PortMatrix;
 use super::reduction::transfer::{Sample, Sampler};
 use crate::error::{Error, Result};
 use crate::fem::{Body, OperatorPair};
+use crate::scene::Scene;
+use crate::time::scheme::Tableau;
 use faer::Mat;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Loss, in tolerances, up to which a body is accepted: errors then stay below ten tolerances.
-const ALLOWED: f64 = 2.0;
+/// Loss, in tolerances, up to which an answer is accepted: errors then stay below ten tolerances.
+pub(crate) const ALLOWED_LOSS: f64 = 2.0;
+
+/// Share of the tolerance below which `eps k r` is nothing to look at: the velocity may be a few times `r |u|`.
+const WORTH_A_LOOK: f64 = 0.1;
+
+/// Whether steps of `k` of a body with this fastest relaxation rate may lose digits of its displacement that the tolerance
+/// promises, whatever is left of its responses; see `crate::time::lost_digits`.
+pub(crate) fn can_lose_in_steps(
+    scene: &Scene,
+    tableau: &Tableau,
+    fastest_rate: f64,
+    k: f64,
+) -> bool {
+    let takes_out = tableau.uses_start_velocity() && tableau.theta() > 0.0;
+    takes_out && f64::EPSILON * k * fastest_rate > WORTH_A_LOOK * scene.fidelity.tolerance
+}
 
 /// The two ends of the transfer matrix, which the digits of a body are judged by.
 pub struct Ends {
@@ -76,7 +93,7 @@ impl Ends {
     /// [`Error::LostDigits`].
     pub fn check(&self, tolerance: f64) -> Result<()> {
         let lost = self.lost_digits;
-        if lost <= ALLOWED * tolerance {
+        if lost <= ALLOWED_LOSS * tolerance {
             return Ok(());
         }
         Err(Error::LostDigits { lost, tolerance })

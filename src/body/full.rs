@@ -103,6 +103,10 @@ impl BodyModel for Full {
         self.0.strain_square(x)
     }
 
+    fn cancelled_norm(&self, scratch: &Scratch) -> f64 {
+        self.products(&scratch.free).1.sqrt()
+    }
+
     fn outputs(&self, x: &[f64], out: &mut [f64]) {
         self.0.outputs(x, out);
     }

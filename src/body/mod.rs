@@ -79,6 +79,9 @@ pub trait BodyModel: Send + Sync {
     fn products(&self, x: &[f64]) -> (f64, f64);
     /// The square of `|eps(x)|` in L2, for a body of several materials, whose strain norm no combination of A and B is.
     fn strain_square(&self, x: &[f64]) -> f64;
+    /// Norm `(w.B w)^1/2` of the motion without contact forces, after [`BodyModel::predict`], where [`BodyModel::correct`] subtracts
+    /// that of the forces from it; 0 where the one is not a difference of the others.
+    fn cancelled_norm(&self, scratch: &Scratch) -> f64;
     /// Linear outputs of a displacement or velocity: work-conjugate integrals of the loads, then the probes.
     fn outputs(&self, x: &[f64], out: &mut [f64]);
     /// Multiplications of one [`BodyModel::predict`] and one [`BodyModel::correct`].

@@ -108,6 +108,10 @@ impl BodyModel for Reduced {
             .sum()
     }
 
+    fn cancelled_norm(&self, scratch: &Scratch) -> f64 {
+        self.products(&scratch.free).1.sqrt()
+    }
+
     fn outputs(&self, x: &[f64], out: &mut [f64]) {
         multiply_transposed(self.outputs.as_ref(), x, out);
     }

@@ -31,8 +31,13 @@ pub const STICKSLIP_OK: i32 = 0;
 /// The step was taken, but the multiplicity test (scene: `fidelity.multiplicity_test`) found more than one solution.
 pub const STICKSLIP_NOT_UNIQUE: i32 = 1;
 /// The step was taken, but rounding kept the friction law from holding to `fidelity.friction_tolerance`: the output
-/// `solver.residual` tells to what share of the forces that meet at a contact node it holds, never worse than 1e-8.
+/// `solver.residual` tells to what share of the forces that meet at a contact node it holds, never worse than 1e-8, or than what
+/// moves slip rates and stresses of slipping nodes by less than the tolerance.
 pub const STICKSLIP_AT_ROUNDING: i32 = 2;
+/// The step was taken, but displacement and slip lost more digits to rounding than `fidelity.tolerance` allows: a step of
+/// millions of relaxation times with trapezoid or TR-BDF2 after a jump of the loads. The output `solver.lost_digits` tells the
+/// share by estimate; stresses and energies may be off by some times as much. Backward Euler keeps the digits.
+pub const STICKSLIP_DIGITS_LOST: i32 = 3;
 /// Causality of a port: set before a step, by default its value at the end of the step (`stickslip_set_inputs_meaning`).
 pub const STICKSLIP_INPUT: i32 = 0;
 /// Causality of a port: read after a step.

@@ -4,7 +4,7 @@ use super::guard::{
     self, Handle, free, give, guarded, handle, last_message, place, remember, values_mut,
 };
 use super::model::stickslip_model;
-use super::{STICKSLIP_AT_ROUNDING, STICKSLIP_NOT_UNIQUE, STICKSLIP_OK};
+use super::{STICKSLIP_AT_ROUNDING, STICKSLIP_DIGITS_LOST, STICKSLIP_NOT_UNIQUE, STICKSLIP_OK};
 use crate::error::{Error, Result};
 use crate::message::number;
 use crate::model::ensure_available;
@@ -281,11 +281,12 @@ pub unsafe extern "C" fn stickslip_set_values(
 }
 
 /// Steps from `time` to `time + step` (s). `time` is where the simulation stands, up to rounding; a step of any size is cut
-/// into internal steps. Allocates nothing once the step size is known. Returns `NOT_UNIQUE` (> 0) when the step was
-/// taken but the multiplicity test found other solutions, `AT_ROUNDING` (> 0) when it was taken but rounding kept the friction
-/// law from holding to its tolerance. Errors, with the state bit for bit as before: `CALL_ORDER` before
-/// `stickslip_init`, `STEP`, `VALUE` for friction coefficients that do not fit each other, `NOT_CONVERGED`,
-/// `TOLERANCE_OUT_OF_REACH`, `OVERFLOW` for results that are too large for a number.
+/// into internal steps. Allocates nothing once the step size is known. Returns a note (> 0) on a step that was taken, the first
+/// that applies: `NOT_UNIQUE` when the multiplicity test found other solutions, `DIGITS_LOST` when rounding took more of
+/// displacement and slip than the tolerance of the body allows, `AT_ROUNDING` when rounding kept the friction law from holding
+/// to its tolerance. Errors, with the state bit for bit as before: `CALL_ORDER` before `stickslip_init`, `STEP`, `VALUE` for
+/// friction coefficients that do not fit each other, `NOT_CONVERGED`, `TOLERANCE_OUT_OF_REACH`, `OVERFLOW` for results that
+/// are too large for a number.
 ///
 /// # Safety
 /// `simulator` is NULL or live.
@@ -304,6 +305,15 @@ pub unsafe extern "C" fn stickslip_do_step(
                 number(time)
             ));
             return Ok(STICKSLIP_NOT_UNIQUE);
+        }
+        if let Some(lost) = simulator.lost_digits() {
+            remember(format_args!(
+                "of displacement and slip the step at time {} lost about {lost:.1e} to rounding, more than fidelity.tolerance \
+                 allows: it is far beyond the relaxation times and follows a jump of the loads; time.scheme \"backward_euler\" \
+                 keeps the digits",
+                number(time)
+            ));
+            return Ok(STICKSLIP_DIGITS_LOST);
         }
         if let Some(residual) = simulator.residual_at_rounding() {
             remember(format_args!(

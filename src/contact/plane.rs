@@ -10,6 +10,9 @@ use pulp::Simd;
 /// not finite.
 #[inline(always)]
 pub fn residual<S: Simd>(simd: S, r: &[f64], point: &Point, least_bound: f64, floor: f64) -> f64 {
+    if least_bound > 0.0 {
+        return residual_over_bounds(simd, point, least_bound);
+    }
     let zero = simd.splat_f64s(0.0);
     let (mut largest, mut total) = (zero, zero);
     visit(
@@ -26,12 +29,7 @@ pub fn residual<S: Simd>(simd: S, r: &[f64], point: &Point, least_bound: f64, fl
     if !simd.reduce_sum_f64s(total).is_finite() {
         return f64::NAN;
     }
-    let has_friction = least_bound > 0.0;
-    let least = if has_friction {
-        least_bound
-    } else {
-        (floor * simd.reduce_max_f64s(largest)).max(f64::MIN_POSITIVE)
-    };
+    let least = (floor * simd.reduce_max_f64s(largest)).max(f64::MIN_POSITIVE);
     let least = simd.splat_f64s(least);
     let mut worst = zero;
     visit(
@@ -39,19 +37,45 @@ pub fn residual<S: Simd>(simd: S, r: &[f64], point: &Point, least_bound: f64, fl
         [r, &point.y, &point.law.bound, &point.w],
         #[inline(always)]
         |[r, y, bound, w]| {
-            let at_rest = simd.sub_f64s(simd.abs_f64s(y), bound);
-            let slipping = simd.abs_f64s(simd.add_f64s(y, with_sign(simd, bound, w)));
-            let violation = simd.select_f64s(simd.equal_f64s(w, zero), at_rest, slipping);
-            let own = if has_friction {
-                bound
-            } else {
-                scale(simd, r, y, bound)
-            };
-            let relative = simd.div_f64s(violation, larger(simd, own, least));
+            let own = larger(simd, scale(simd, r, y, bound), least);
+            let relative = simd.div_f64s(violation(simd, w, y, bound), own);
             worst = larger(simd, worst, relative);
         },
     );
     simd.reduce_max_f64s(worst)
+}
+
+/// The residual where there is friction.
+#[inline(always)]
+fn residual_over_bounds<S: Simd>(simd: S, point: &Point, least_bound: f64) -> f64 {
+    let zero = simd.splat_f64s(0.0);
+    let least = simd.splat_f64s(least_bound);
+    let (mut worst, mut total) = (zero, zero);
+    visit(
+        simd,
+        [&point.y, &point.law.bound, &point.w],
+        #[inline(always)]
+        |[y, bound, w]| {
+            let violation = violation(simd, w, y, bound);
+            total = simd.add_f64s(total, simd.abs_f64s(violation));
+            let relative = simd.div_f64s(violation, larger(simd, bound, least));
+            worst = larger(simd, worst, relative);
+        },
+    );
+    // as above
+    if simd.reduce_sum_f64s(total).is_finite() {
+        simd.reduce_max_f64s(worst)
+    } else {
+        f64::NAN
+    }
+}
+
+/// Force by which a node violates the law; not above zero where a node sticks within its bound.
+#[inline(always)]
+fn violation<S: Simd>(simd: S, w: S::f64s, y: S::f64s, bound: S::f64s) -> S::f64s {
+    let at_rest = simd.sub_f64s(simd.abs_f64s(y), bound);
+    let slipping = simd.abs_f64s(simd.add_f64s(y, with_sign(simd, bound, w)));
+    simd.select_f64s(simd.equal_f64s(w, simd.splat_f64s(0.0)), at_rest, slipping)
 }
 
 /// Forces that meet at a node: applied, of the body (S w = y + r), of friction.

@@ -99,14 +99,20 @@ impl ContactProblem<'_> {
         0.5 * (a + d) + length(0.5 * (a - d), b)
     }
 
-    /// Completes a point from its velocities.
+    /// Takes the product with S of a point that is complete but for that.
     #[inline(always)]
-    pub fn complete(&self, point: &mut Point) {
+    pub fn make_exact(&self, point: &mut Point) {
         multiply(self.s, &point.w, &mut point.y);
         for (y, r) in point.y.iter_mut().zip(self.r) {
             *y -= r;
         }
         point.is_exact = true;
+    }
+
+    /// Completes a point from its velocities.
+    #[inline(always)]
+    pub fn complete(&self, point: &mut Point) {
+        self.make_exact(point);
         if self.components == 1 {
             for (rate, w) in point.rates.iter_mut().zip(&point.w) {
                 *rate = w.abs();
@@ -235,6 +241,50 @@ impl ContactProblem<'_> {
         Some(left)
     }
 
+    /// What is left of the residual of an exact point where all nodes slip that rounding keeps from the tolerance, and the
+    /// Newton step from there, with the turns of its nodes, changes what they show by less than the tolerance; `None` where that
+    /// is not so.
+    ///
+    /// A body that slips as a whole has forces between its nodes that are far larger than what holds it: neighbours then
+    /// differ in the last digits of their slip rates, and those digits alone are forces above the tolerance. The step is the
+    /// error of the slip rates, and through the slope of the bound that of the stresses.
+    #[inline(never)]
+    pub fn residual_of_slip(
+        &self,
+        point: &Point,
+        (step, turns): (&[f64], &[f64]),
+        yardstick: Yardstick,
+        tolerance: f64,
+    ) -> Option<f64> {
+        let measure = self.measure(point, yardstick)?;
+        let mut left: f64 = 0.0;
+        for node in 0..self.nodes() {
+            let own = self.own_forces(node, point, measure);
+            let violation = self.violation(node, point);
+            let rounding = self.rounding(node, point);
+            let rate = point.rates[node];
+            let mut change = norm(&step[self.at(node)]);
+            if self.components > 1 {
+                change += turns[node].abs() * rate;
+            }
+            // written so that what is not a number does not hold
+            let is_known = if rate > 0.0 {
+                let bound = point.law.bound[node];
+                violation <= rounding.max(tolerance * own)
+                    && change <= tolerance * rate
+                    && point.law.slope[node].abs() * change <= tolerance * bound
+            } else {
+                violation <= tolerance * own && rounding <= tolerance * own
+            };
+            if !is_known {
+                return None;
+            }
+            let scale = self.forces_that_meet(node, point).max(measure.least_forces);
+            left = left.max(violation / scale);
+        }
+        Some(left)
+    }
+
     /// What rounding leaves unknown of the forces at a node, N.
     fn rounding(&self, node: usize, point: &Point) -> f64 {
         let mut sum = point.law.bound[node];
@@ -263,6 +313,19 @@ impl ContactProblem<'_> {
     /// Contact forces Lambda of a point, N: a node that slips carries exactly its bound against the slip rate, one that sticks
     /// what the body asks for, within its bound.
     pub fn forces(&self, point: &Point, force: &mut [f64]) {
+        if self.components == 1 {
+            let nodes = point.w.iter().zip(&point.y).zip(&point.law.bound);
+            for (force, ((w, y), bound)) in force.iter_mut().zip(nodes) {
+                *force = if *w != 0.0 {
+                    bound.copysign(*w)
+                } else if y.abs() > *bound {
+                    -bound.copysign(*y)
+                } else {
+                    -y
+                };
+            }
+            return;
+        }
         for (node, force) in force.chunks_exact_mut(self.components).enumerate() {
             let (rate, bound) = (point.rates[node], point.law.bound[node]);
             let (w, y) = (&point.w[self.at(node)], &point.y[self.at(node)]);

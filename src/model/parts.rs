@@ -4,6 +4,7 @@
 use super::certificate::Certificate;
 use super::selection::Selection;
 use super::{BodyModel, LoadInput, Model, ReductionRecord, SolverSettings, Summary};
+use crate::body::digits::can_lose_in_steps;
 use crate::contact::law::ChosenLaw;
 use crate::contact::solve::fixed_point::FixedPoint;
 use crate::error::Result;
@@ -121,6 +122,12 @@ fn ports(scene: &Scene, parts: &Parts, friction: &ChosenLaw) -> Ports {
         probes: &probes,
         friction,
         has_error_estimate: scene.time.estimates_error(),
+        can_lose_digits: can_lose_in_steps(
+            scene,
+            &Tableau::of(scene.time.scheme),
+            parts.rates[1],
+            scene.time.step,
+        ),
     })
 }
 

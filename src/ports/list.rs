@@ -230,6 +230,18 @@ impl Ports {
                  relative to the largest such norm of the slip rate so far. No bound.",
             );
         }
+        if shapes.can_lose_digits {
+            self.add(
+                "solver.lost_digits",
+                "1",
+                Causality::Output,
+                &[],
+                LostDigits,
+                "Estimated share of displacement and slip that the last communication step lost to rounding: steps far beyond \
+                 the relaxation times after a jump of the loads. Beyond twice fidelity.tolerance answers may be off by more \
+                 than the tolerances.",
+            );
+        }
     }
 
     fn add_coefficients(&mut self, shapes: &Shapes) {

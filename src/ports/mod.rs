@@ -43,6 +43,7 @@ pub enum Quantity {
     Solutions,
     SolutionGap,
     ErrorEstimate,
+    LostDigits,
     Coefficient(usize),
 }
 
@@ -93,6 +94,8 @@ pub(crate) struct Shapes<'a> {
     pub friction: &'a ChosenLaw,
     /// Whether the error in time is estimated.
     pub has_error_estimate: bool,
+    /// Whether its steps may lose digits.
+    pub can_lose_digits: bool,
 }
 
 impl Ports {

@@ -90,6 +90,7 @@ pub(crate) fn read(model: &Model, state: &State, port: &Port, out: &mut [f64]) {
         Quantity::Residual => state.report[report::RESIDUAL],
         Quantity::Solutions => state.report[report::SOLUTIONS],
         Quantity::SolutionGap => state.report[report::SOLUTION_GAP],
+        Quantity::LostDigits => state.report[report::LOST_DIGITS],
         Quantity::ErrorEstimate => estimate::estimate(model, state),
     };
     out[0] = value;

@@ -3,6 +3,7 @@
 use super::Simulator;
 use crate::contact::solve::newton::Work;
 use crate::state::report;
+use crate::time::lost_digits;
 
 impl Simulator {
     /// Most solutions of one internal step of the last communication step that the multiplicity test found (0 when it is
@@ -17,6 +18,14 @@ impl Simulator {
     pub fn residual_at_rounding(&self) -> Option<f64> {
         let report = &self.state.report;
         (report[report::AT_ROUNDING] != 0.0).then_some(report[report::RESIDUAL])
+    }
+
+    /// How much of displacement and slip the last communication step has lost to rounding, relative and by estimate, where that
+    /// is beyond the tolerance of the body (two times `fidelity.tolerance`): stresses and energies that follow from them may be
+    /// off by some times as much. Steps of trapezoid and TR-BDF2 lose digits that are millions of relaxation times long and
+    /// follow a jump of the loads.
+    pub fn lost_digits(&self) -> Option<f64> {
+        lost_digits::beyond_tolerance(&self.model, &self.state)
     }
 
     /// Keeps the iterates of the fixed-point solver from now on; steps then allocate.

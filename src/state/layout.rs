@@ -32,6 +32,8 @@ pub(crate) struct Sizes {
     pub coefficients: usize,
     /// Whether there is a second solution.
     pub has_second: bool,
+    /// Whether steps may lose digits.
+    pub can_lose_digits: bool,
     /// Rows of the recorded past.
     pub rows: usize,
 }

@@ -13,6 +13,7 @@ use crate::error::{Error, Result};
 use crate::linalg::dot;
 use crate::model::Model;
 use crate::scene::Inputs;
+use crate::time::lost_digits;
 use layout::{Blocks, Kind, Sizes, blocks};
 
 blocks! {
@@ -81,7 +82,9 @@ pub(crate) mod report {
     pub const SOLUTION_GAP: usize = 3;
     /// 1 when the friction law holds as well as rounding allows, but not to the tolerance.
     pub const AT_ROUNDING: usize = 4;
-    pub const COUNT: usize = 5;
+    /// Largest share of displacement and slip that is rounding, by estimate; see `time::lost_digits`.
+    pub const LOST_DIGITS: usize = 5;
+    pub const COUNT: usize = 6;
 }
 
 /// Places in `State::control`.
@@ -140,6 +143,7 @@ impl State {
             outputs: model.output_count(),
             coefficients: model.friction().start().len(),
             has_second: model.has_error_estimate(),
+            can_lose_digits: lost_digits::can_lose(model, model.largest_step()),
             rows: model.history_capacity(),
         }
     }

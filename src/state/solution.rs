@@ -21,6 +21,9 @@ blocks! {
         reaction: Motion[|s| s.contact()],
         /// Work-conjugate integrals of the loads, then probes: of the velocity.
         output_velocity: Motion[|s| s.outputs],
+        /// Norm of the free motion of which contact forces have left the velocity, where steps may lose digits by it (see
+        /// `time::lost_digits`).
+        cancelled: Magnitude[|s| usize::from(s.can_lose_digits)],
     }
 }
 

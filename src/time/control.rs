@@ -37,7 +37,7 @@ use super::workspace::{ControlWorkspace, Velocity, Workspace};
 use crate::error::{Error, Result};
 use crate::linalg::dot;
 use crate::model::Model;
-use crate::state::{State, control};
+use crate::state::{State, control, report};
 
 /// Share of the memory of the body (1 / fastest relaxation rate) that may be spent on one change between stick and slip.
 const BURST: f64 = 0.02;
@@ -81,6 +81,8 @@ pub(crate) fn proposed(model: &Model, state: &State) -> Option<f64> {
 pub(crate) fn keep(state: &State, ws: &mut Workspace) {
     if let Some(control) = &mut ws.control {
         control.kept.copy_steps_from(state);
+        // a part that is undone has lost nothing
+        control.kept.report[report::LOST_DIGITS] = state.report[report::LOST_DIGITS];
     }
 }
 
@@ -174,6 +176,7 @@ fn refuse(
     }
     control.refused += 1;
     state.copy_steps_from(&control.kept);
+    state.report[report::LOST_DIGITS] = control.kept.report[report::LOST_DIGITS];
     state.control[control::PROPOSED] = (part.size() * (-halvings).exp2()).max(smallest);
     Ok(Verdict::Refused)
 }

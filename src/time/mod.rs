@@ -9,6 +9,7 @@ pub(crate) mod control;
 pub(crate) mod estimate;
 pub(crate) mod finite;
 pub(crate) mod input_course;
+pub(crate) mod lost_digits;
 pub(crate) mod record;
 pub mod scheme;
 pub(crate) mod second;

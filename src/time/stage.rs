@@ -85,6 +85,9 @@ fn solve_stage(
         &mut ws.scratch,
     );
     let bounds = model.friction().with(&state.coefficients);
+    if let [cancelled] = &mut ws.velocities[index].instant.cancelled[..] {
+        *cancelled = body.cancelled_norm(&ws.scratch);
+    }
     let contact = ContactProblem {
         s: stage.s.as_ref(),
         r: &ws.condensed_load,

@@ -21,6 +21,7 @@
 use super::companion::Companion;
 use super::control::{self, Verdict};
 use super::input_course;
+use super::lost_digits;
 use super::record::{add_energies, integrate, record};
 use super::second;
 use super::sizes::{Part, Parts};
@@ -111,8 +112,12 @@ fn internal_step(
     let tableau = model.tableau();
     let last = tableau.stages().len();
     ws.velocities[last].store_into(state);
+    let before = lost_digits::before(model, state, k);
     integrate(tableau, state, &ws.velocities[..=last], k);
     add_energies(model, state, ws, k);
+    if let Some(before) = before {
+        before.note(model, state, &ws.velocities[..=last], k);
+    }
     companion.end(model, state, ws, k);
     state.steps += 1;
     Ok(())

@@ -139,6 +139,7 @@ impl Simulator {
                 | Quantity::Residual
                 | Quantity::Solutions
                 | Quantity::SolutionGap
+                | Quantity::LostDigits
                 | Quantity::ErrorEstimate => head.fill(0.0),
                 Quantity::MaxSlipRate => head[0] = self.tangent_of_largest_rate(tangent),
                 // linear in the state

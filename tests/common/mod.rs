@@ -59,8 +59,14 @@ pub fn values(simulator: &Simulator, port: &str) -> Vec<f64> {
     simulator.get_by_name(port).expect("a known port")
 }
 
+/// The larger of two numbers; not a number where one of them is none, so that no comparison holds.
+pub fn larger(a: f64, b: f64) -> f64 {
+    if a.is_nan() || a > b { a } else { b }
+}
+
+/// Largest magnitude; not a number where one of the values is none.
 pub fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |m, v| m.max(v.abs()))
+    values.iter().fold(0.0, |m, v| larger(m, v.abs()))
 }
 
 /// Largest difference relative to the largest reference value.

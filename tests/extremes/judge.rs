@@ -53,13 +53,9 @@ impl<'a> Judge<'a> {
         judge
     }
 
-    /// Whether the scene is in the range where answers are known to be wrong: the velocity after a jump of the loads enters
-    /// the displacement times the step and is taken out again in the next stages, which leaves a relative `eps k r` of it.
-    pub fn is_known_limit(&self) -> bool {
-        let product = self.base.fastest * self.case.step;
-        ["trapezoid", "tr_bdf2"].contains(&self.case.scheme)
-            && self.case.start == "consistent"
-            && f64::EPSILON * product > self.tolerance()
+    /// Whether the answer came with the note that its steps lost digits: wrong, but not silently.
+    pub fn is_told(&self) -> bool {
+        self.base.has_lost_digits
     }
 
     /// The tolerance that the answer promises, seen through the body and its friction.

@@ -50,11 +50,7 @@ fn no_extreme_scene_is_answered_wrongly() {
                 told.push(finding.oracle);
                 println!(
                     "{} {i} {:?} {}D {} {} {:?}: {}: {:.1e} > {:.1e}: {}",
-                    if judge.is_known_limit() {
-                        "KNOWN"
-                    } else {
-                        "WRONG"
-                    },
+                    if judge.is_told() { "TOLD" } else { "WRONG" },
                     case.extremes,
                     case.dimension(),
                     case.model,

@@ -36,8 +36,8 @@ pub struct Run {
     pub positions: Vec<[f64; 3]>,
     pub components: usize,
     pub kind: String,
-    /// Fastest rate of relaxation, 1/s.
-    pub fastest: f64,
+    /// Whether a step said that it lost digits.
+    pub has_lost_digits: bool,
 }
 
 /// Runs a case to its end or to its first refusal.
@@ -71,7 +71,6 @@ fn attempt(case: &Case) -> Run {
     run.positions.clone_from(&model.contact().points);
     run.components = model.contact().components;
     run.kind = format!("{:?}", model.summary().kind).to_lowercase();
-    run.fastest = model.summary().rates[1];
     let mut simulator = Simulator::new(model);
     if let Err(error) = simulator.init(0.0) {
         run.refusal = refused("init", error);
@@ -93,6 +92,7 @@ fn attempt(case: &Case) -> Run {
             run.refusal = refused("step", error);
             break;
         }
+        run.has_lost_digits |= simulator.lost_digits().is_some();
         run.see(&simulator);
     }
     run

@@ -14,8 +14,10 @@ struct Row {
     /// Refused with an error before or in a step, nothing wrong before.
     refused: u64,
     wrong: u64,
-    /// Wrong where that is known: [`Judge::is_known_limit`].
-    known: u64,
+    /// Some oracle does not hold, and a step said that it lost digits.
+    told: u64,
+    /// A step said so, and yet all holds.
+    cautious: u64,
     /// Compared with the solution in 96 digits.
     exact: u64,
 }
@@ -46,8 +48,8 @@ impl Table {
             row.scenes += 1;
             row.exact += u64::from(judge.exact.is_ok());
             if !judge.findings.is_empty() {
-                if judge.is_known_limit() {
-                    row.known += 1;
+                if judge.is_told() {
+                    row.told += 1;
                 } else {
                     row.wrong += 1;
                 }
@@ -55,6 +57,7 @@ impl Table {
                 row.refused += 1;
             } else {
                 row.right += 1;
+                row.cautious += u64::from(judge.is_told());
             }
         }
         if let Some(refusal) = &judge.base.refusal {
@@ -72,7 +75,7 @@ impl Table {
         self.sensitive += judge.sensitive;
     }
 
-    /// Scenes that are wrong outside the known limit.
+    /// Scenes that are wrong and do not say so.
     pub fn wrong(&self) -> u64 {
         self.rows.get("all").map_or(0, |row| row.wrong)
     }
@@ -93,21 +96,22 @@ impl Display for Table {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
             f,
-            "| scenes with | number | right | refused | wrong, stiff after a jump | wrong, else | of these solved in 96 digits |"
+            "| scenes with | number | right | of these with the note | refused | wrong with the note | wrong, silent | of these solved in 96 digits |"
         )?;
-        writeln!(f, "|---|---|---|---|---|---|---|")?;
+        writeln!(f, "|---|---|---|---|---|---|---|---|")?;
         for (name, row) in &self.rows {
             let Row {
                 scenes,
                 right,
                 refused,
                 wrong,
-                known,
+                told,
+                cautious,
                 exact,
             } = row;
             writeln!(
                 f,
-                "| {name} | {scenes} | {right} | {refused} | {known} | {wrong} | {exact} |"
+                "| {name} | {scenes} | {right} | {cautious} | {refused} | {told} | {wrong} | {exact} |"
             )?;
         }
         writeln!(

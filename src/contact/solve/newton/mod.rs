@@ -198,12 +198,13 @@ impl WithSimd for Solve<'_, '_, '_> {
             ws.cache.prepare(problem, at);
         }
         let (mut slow, mut is_at_rounding) = (0, false);
+        let (mut best, mut stalled) = (residual, 0);
         let mut far = 0;
         ws.is_careful = false;
         ws.direction.begin();
         loop {
             if residual <= tolerance && !ws.accepted.is_exact {
-                problem.complete(&mut ws.accepted);
+                problem.make_exact(&mut ws.accepted);
                 residual = problem.residual(simd, &ws.accepted, yardstick);
                 ws.is_careful = true;
             }
@@ -213,6 +214,12 @@ impl WithSimd for Solve<'_, '_, '_> {
             if (iterations == 0 || slow > 0 || ws.is_careful)
                 && problem.residual(simd, &ws.accepted, Yardstick::default()) <= LARGEST_FLOOR
                 && let Some(left) = at_rounding(problem, tolerance, ws)
+            {
+                (residual, is_at_rounding) = (left, true);
+                break;
+            }
+            if stalled >= PATIENCE
+                && let Some(left) = at_rounding_of_slip(problem, tolerance, at, ws)
             {
                 (residual, is_at_rounding) = (left, true);
                 break;
@@ -245,6 +252,11 @@ impl WithSimd for Solve<'_, '_, '_> {
             } else {
                 0
             };
+            (best, stalled) = if residual > SLOW * best {
+                (best, stalled + 1)
+            } else {
+                (residual, 0)
+            };
             far = if residual > FAR && !crawls {
                 far + 1
             } else {
@@ -274,10 +286,31 @@ impl WithSimd for Solve<'_, '_, '_> {
 #[inline(never)]
 fn at_rounding(problem: &ContactProblem, tolerance: f64, ws: &mut Workspace) -> Option<f64> {
     if !ws.accepted.is_exact {
-        problem.complete(&mut ws.accepted);
+        problem.make_exact(&mut ws.accepted);
         ws.is_careful = true;
     }
     problem.residual_beyond_rounding(&ws.accepted, ws.yardstick, tolerance)
+}
+
+/// The residual that is left where steps no longer change the slip rates; see [`ContactProblem::residual_of_slip`].
+#[inline(never)]
+fn at_rounding_of_slip(
+    problem: &ContactProblem,
+    tolerance: f64,
+    at: &mut Linearisation,
+    ws: &mut Workspace,
+) -> Option<f64> {
+    if !ws.accepted.is_exact {
+        problem.make_exact(&mut ws.accepted);
+        ws.is_careful = true;
+    }
+    let (direction, cache) = (&mut ws.direction, &mut ws.cache);
+    direction.note(None);
+    if !direction.find(Scalar, problem, &ws.accepted, at, cache, 0) || direction.is_majorised {
+        return None;
+    }
+    let changes = (&*direction.step, &*direction.turns);
+    problem.residual_of_slip(&ws.accepted, changes, ws.yardstick, tolerance)
 }
 
 /// Nodes so slow that underflow takes digits from their slip rate are at rest.
