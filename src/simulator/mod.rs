@@ -11,7 +11,7 @@ pub use reading::Past;
 
 use crate::error::{Error, Result};
 use crate::model::Model;
-use crate::ports::{Port, Quantity};
+use crate::ports::{Causality, Port, Quantity};
 use crate::state::State;
 use crate::time::companion::{Alone, Companion};
 use crate::time::control;
@@ -165,9 +165,12 @@ impl Simulator {
     /// # Errors
     /// [`Error::Unknown`], [`Error::CallOrder`] for an output, [`Error::Value`], [`Error::Length`] for an array.
     pub fn set(&mut self, reference: u32, value: f64) -> Result<()> {
-        let len = self.model.ports().get(reference)?.len();
-        self.check_count(len, 1)?;
-        self.set_element(reference, 0, value)
+        let model = Arc::clone(&self.model);
+        let port = model.ports().get(reference)?;
+        let quantity = settable(&model, port, value)?;
+        self.check_count(port.len(), 1)?;
+        self.put(quantity, 0, value);
+        Ok(())
     }
 
     /// Sets one element of an input or parameter, otherwise as [`Simulator::set`] does.
@@ -200,7 +203,14 @@ impl Simulator {
         let model = Arc::clone(&self.model);
         let mut count: usize = 0;
         for reference in references {
-            count = count.saturating_add(model.ports().get(*reference)?.len());
+            let port = model.ports().get(*reference)?;
+            if port.causality == Causality::Output {
+                return Err(Error::CallOrder {
+                    call: "set",
+                    expected: "the port is an output",
+                });
+            }
+            count = count.saturating_add(port.len());
         }
         self.check_count(count, values.len())?;
         // the trial state is scratch between steps
