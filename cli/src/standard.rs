@@ -1,4 +1,4 @@
-//! Standard input and output in the place of files: `-`.
+//! Standard input and output instead of files: `-`.
 
 use crate::failure::Failure;
 use std::fs::File;

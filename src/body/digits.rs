@@ -66,7 +66,7 @@ impl Ends {
                 &forces,
                 &responses,
             );
-            // written so that a number that is none stays
+            // written so that a NaN stays
             lost_digits = if lost_digits >= lost {
                 lost_digits
             } else {

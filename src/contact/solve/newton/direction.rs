@@ -29,7 +29,7 @@ use pulp::Simd;
 
 /// Nodes up to which one product with S costs less than a dot product for every node that is not free.
 const SMALL: usize = 64;
-/// Slow steps in a row for which the matrix is made anew even if nodes have changed between stick and slip meanwhile.
+/// Slow steps in a row after which the matrix is refactored even if nodes have changed between stick and slip meanwhile.
 pub const PATIENCE: u32 = 8;
 
 /// Direction of a Newton step, and scratch to find it.

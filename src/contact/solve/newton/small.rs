@@ -114,7 +114,8 @@ impl SmallSystem {
         })
     }
 
-    /// Factors term by term, up to the first whose pivot has not the sign of its delta; whether there is none.
+    /// Factors term by term. Stops at the first pivot whose sign differs from that of its delta and returns false; true when
+    /// every term was factored.
     #[inline(always)]
     fn factor<S: Simd>(&mut self, simd: S, terms: &[Term], factor: &Factor, c: usize) -> bool {
         let stride = self.stride;
