@@ -421,8 +421,8 @@ fn a_cmake_project_finds_the_package() {
 
 #[test]
 fn the_code_of_the_guide_and_the_readme_compiles_and_runs() {
-    let pages = ["docs/c.md", "README.md"]
-        .map(|page| std::fs::read_to_string(root().join(page)).unwrap());
+    let pages =
+        ["docs/c.md", "README.md"].map(|page| std::fs::read_to_string(root().join(page)).unwrap());
     let has_c = pages.each_ref().map(|page| page.contains("```c\n"));
     assert_eq!(has_c, [true; 2], "a page has no C program");
     let guide = pages.concat();

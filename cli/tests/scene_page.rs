@@ -10,8 +10,7 @@ const PAGE: &str = include_str!("../../docs/scene.md");
 
 #[test]
 fn every_key_of_the_schema_stands_on_the_page() {
-    let schema: Value =
-        serde_json::from_str(&Shell::new().succeed(&["schema"])).expect("a schema");
+    let schema: Value = serde_json::from_str(&Shell::new().succeed(&["schema"])).expect("a schema");
     let mut paths = BTreeSet::new();
     collect(&schema, &schema, "", &mut paths);
     for known in ["time.step", "loads[].name", "mesh.refine[].to"] {

@@ -216,9 +216,11 @@ fn the_page_of_measurements_can_be_written_anew() {
     let shell = Shell::new();
     shell.write("measured.md", MEASURED);
     shell.succeed(&[&SMALL[..], &["--work", "1e8", "--markdown", "measured.md"]].concat());
-    let written = shell.text("measured.md");
+    let written = std::fs::read_to_string(shell.folder.path().join("measured.md")).unwrap();
     let around = |text: &str| -> [String; 2] {
-        let before = text.split_once("<!-- tradeoff kazmi2014: begin -->").unwrap();
+        let before = text
+            .split_once("<!-- tradeoff kazmi2014: begin -->")
+            .unwrap();
         let after = text.split_once("<!-- tradeoff kazmi2014: end -->").unwrap();
         [before.0.to_owned(), after.1.to_owned()]
     };
