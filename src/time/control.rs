@@ -15,7 +15,7 @@
 //! ```
 //!
 //! for the body in the norm of the viscosity and for the contact in the discrete L2 norm (weights omega), the largest over the
-//! time so far and the pairs tried. Then the accumulated error is of the size of the tolerance. Two things soften this:
+//! time so far and the pairs tried. Then the accumulated error is of the size of the tolerance. Two cases are allowed larger errors:
 //!
 //! * Where a contact node changes between stick and slip the velocity has a kink (or a jump, where a step has several
 //!   solutions), and `d` falls with one order less (two). A pair with such a change may spend [`BURST`] / r beyond its own 2k:

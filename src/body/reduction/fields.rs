@@ -33,7 +33,7 @@ pub struct Depth {
     /// To a load, and to a smooth contact force.
     loads: usize,
     smooth: usize,
-    /// Whether they hold all that the forces do, to the tolerance.
+    /// Whether these fields alone represent the response of the body to the forces to the tolerance, at every shift.
     pub holds_all: bool,
 }
 

@@ -44,7 +44,7 @@
 //!   accepted: slow counts the steps that left more than SLOW of the residual; from PATIENCE on, the matrix is factored anew
 //! ```
 //!
-//! After M. Stadler (SIOPT 2004) and Hueeber, Stadler, Wohlmuth (SISC 30, 2008) for the active sets, and the chord method
+//! After M. Stadler (SIOPT 2004) and Hueber, Stadler, Wohlmuth (SISC 30, 2008) for the active sets, and the chord method
 //! (C. T. Kelley, Iterative Methods for Linear and Nonlinear Equations, SIAM 1995, 5.4) for the matrix that is kept.
 
 mod attempts;

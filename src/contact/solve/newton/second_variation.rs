@@ -17,13 +17,14 @@ use crate::contact::problem::{ContactProblem, norm};
 
 /// A difference in curvature below this share of what the node resists with is left to the iteration.
 pub const NOTICEABLE: f64 = 0.03;
-/// Terms allowed: an eighth of the contact components, within limits. Half of them are for nodes that stick and are freed all
-/// the same, because they may slip soon.
+/// Limits of the number of terms, which is an eighth of the contact components. Half of the terms are reserved for nodes
+/// that stick but are close to slipping: they are freed in the matrix in advance, and clamped by a term while they stick.
 const TERMS: std::ops::RangeInclusive<usize> = 4..=96;
 /// Halvings in the search for the share of the bound above which nodes that stick are freed.
 const HALVINGS: usize = 10;
-/// Largest curvature across the slip direction, in units of the node's own stiffness: a node just about to stop has
-/// practically a fixed direction, and what it does along it must survive the sum with this.
+/// Largest curvature across the slip direction, in units of the node's own stiffness. At a node that is about to stop the
+/// curvature `g / |w|` grows without bound; beyond this value the direction is fixed in practice, and the digits of the
+/// motion along it would be lost in the sum of both.
 pub const LARGEST_ACROSS: f64 = 1e8;
 
 /// Terms allowed for this many contact components.

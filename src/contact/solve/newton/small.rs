@@ -56,8 +56,8 @@ pub fn symmetric_terms([xx, xy, yy]: [f64; 3]) -> [(f64, [f64; 2]); 2] {
     [(mean + radius, [x, y]), (mean - radius, [-y, x])]
 }
 
-/// `L D L^T` of `Delta^-1 + Y^T Y`. What the terms have in common with the last ones is not factored again: most nodes that
-/// stick stick on.
+/// `L D L^T` of `Delta^-1 + Y^T Y`. The leading terms that are the same as those of the last call are not factored again:
+/// most nodes that stick in one iteration stick in the next.
 pub struct SmallSystem {
     stride: usize,
     /// The terms factored, and with which factor.
