@@ -231,8 +231,8 @@ impl State {
         Ok(())
     }
 
-    /// Copies another state of the same model but for its recorded past, of which only what is recorded from now on will
-    /// be of use: see [`State::take_past`].
+    /// Copies another state of the same model without its recorded past: only rows recorded from now on will be needed, see
+    /// [`State::take_past`].
     ///
     /// # Errors
     /// Those of [`State::copy_from`].

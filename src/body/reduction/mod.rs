@@ -1,10 +1,11 @@
 //! Reduction of the body to the relaxation rates that its ports see, to a chosen tolerance.
 //!
-//! Galerkin projection on `span{ (c_i A + d_i B)^-1 P }` over a few shifts (see `galerkin`), which are known beforehand from
-//! the interval of rates (see `shifts`), from samples of the transfer matrix (see `transfer`): a basis of the length of the
-//! body is formed for a few forces alone, where the samples are not sharp enough (see `fields`). The result is then judged at
-//! the samples that are not shifts (see `samples`). Projection keeps the rates between the extreme eigenvalues of `A^-1 B`,
-//! which the element rates bound: a rate outside that matters is an error upstream.
+//! Galerkin projection on `span{ (c_i A + d_i B)^-1 P }` over a few shifts (see `galerkin`). The shifts follow from the interval
+//! of rates alone (see `shifts`), and the projection from samples of the transfer matrix (see `transfer`). Vectors of the
+//! length of the body are formed for a few forces only, for which the samples are not accurate enough (see `fields`). The
+//! result is judged at the samples that are not shifts (see `samples`). Exact projection keeps the rates between the extreme
+//! eigenvalues of `A^-1 B`, which the element rates bound. A rate outside that matters shows an error before the reduction.
+//! README.md in this folder goes through it step by step.
 
 mod basis;
 mod fields;

@@ -1,4 +1,4 @@
-//! The last step and what it changed, for a secant (BFGS) correction of the inverse at hand:
+//! The last step and the change of the gradient that it made, for a secant (BFGS) correction of the inverse H:
 //!
 //! ```text
 //! B = (1 - s z^T / s.z) H (1 - z s^T / s.z) + s s^T / s.z,   s = step, z = change of the gradient

@@ -7,9 +7,9 @@
 //! K = S + omega [ g' n n^T + (g / |w|) (I - n n^T) ],   n = w / |w|;   in the plane S + diag(omega g')
 //! ```
 //!
-//! 1. The direction solves with K up to differences that hardly matter, from the factor of K at an earlier point of the
-//!    same step size, be it of an earlier step, and a small correction for the nodes that have changed since between stick
-//!    and slip or in slope (see `direction`, `linearisation`). So an iteration costs a few products of contact order. K is
+//! 1. The direction solves with K, small differences neglected. It uses the factor of K at an earlier point with the same step
+//!    size, possibly of an earlier step, and a small correction for the nodes that have changed since then between stick and
+//!    slip or in slope (see `direction`, `linearisation`). So an iteration costs a few products of contact order. K is
 //!    factored anew, at the present point, when too much has changed or the residual falls slowly: then the step is a
 //!    semismooth Newton step.
 //! 2. Where `g` decreases K may be indefinite; then the share of the weakening `g'` in the matrix is

@@ -102,8 +102,8 @@ impl SecondVariation<'_, '_> {
         ]
     }
 
-    /// Makes the point the one of linearisation: what moves is free, and with `frees_near` also the nodes that stick but are
-    /// nearest to slipping, as many as there are terms to hold them. `scratch` has an entry per node.
+    /// Makes this point the point of linearisation. Nodes that move are free; with `frees_near` also the sticking nodes closest
+    /// to slipping, as many as there are terms to clamp them with. `scratch` has an entry per node.
     pub fn linearise(&self, at: &mut Linearisation, frees_near: bool, scratch: &mut [f64]) {
         let mut least = f64::INFINITY;
         if frees_near {
@@ -121,8 +121,8 @@ impl SecondVariation<'_, '_> {
         });
     }
 
-    /// The terms by which K differs from the matrix at hand at the nodes whose `differences` are noticeable; false when they
-    /// are too many or a node moves that is not free.
+    /// Lists the terms by which K differs from the factored matrix at the nodes whose `differences` are noticeable. False when
+    /// there are too many, or when a node moves that is not free in the factored matrix.
     #[inline(never)]
     pub fn list_terms(&self, factor: &Factor, differences: &[f64], terms: &mut Vec<Term>) -> bool {
         let c = self.problem.components;
