@@ -15,7 +15,8 @@
 //! ```
 //!
 //! for the body in the norm of the viscosity and for the contact in the discrete L2 norm (weights omega), the largest over the
-//! time so far and the pairs tried. Then the accumulated error is of the size of the tolerance. Two cases are allowed larger errors:
+//! time so far and the pairs tried. Then the accumulated error is of the size of the tolerance. Larger errors are allowed in two
+//! cases:
 //!
 //! * Where a contact node changes between stick and slip the velocity has a kink (or a jump, where a step has several
 //!   solutions), and `d` falls with one order less (two). A pair with such a change may spend [`BURST`] / r beyond its own 2k:
