@@ -158,7 +158,7 @@ impl Writer {
 /// of five of them, stay finite in a step.
 pub const LARGEST: f64 = 1e60;
 
-/// Whether a model may hold this number; false for one that is none.
+/// Whether a model may hold this number; false for NaN.
 pub fn is_usable(value: f64) -> bool {
     value.abs() <= LARGEST
 }
@@ -174,7 +174,7 @@ fn check_finite(mut values: impl Iterator<Item = f64>) -> Result<()> {
     }
 }
 
-/// Reads what a [`Writer`] wrote. No length is trusted: it must fit what is left.
+/// Reads what a [`Writer`] wrote. No length is trusted: it must fit the bytes that remain.
 pub struct Reader<'a> {
     rest: &'a [u8],
 }

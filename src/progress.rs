@@ -54,7 +54,7 @@ impl<'a> Watch<'a> {
         }
     }
 
-    /// A phase has come as far as this fraction of the whole.
+    /// A phase has reached this fraction of the whole.
     ///
     /// # Errors
     /// [`Error::Cancelled`] when the observer stops the compilation.

@@ -420,8 +420,12 @@ fn a_cmake_project_finds_the_package() {
 }
 
 #[test]
-fn the_code_of_the_guide_compiles_and_runs() {
-    let guide = std::fs::read_to_string(root().join("docs/c.md")).unwrap();
+fn the_code_of_the_guide_and_the_readme_compiles_and_runs() {
+    let pages =
+        ["docs/c.md", "README.md"].map(|page| std::fs::read_to_string(root().join(page)).unwrap());
+    let has_c = pages.each_ref().map(|page| page.contains("```c\n"));
+    assert_eq!(has_c, [true; 2], "a page has no C program");
+    let guide = pages.concat();
     let mut count = 0;
     for (fence, extension) in [("```c\n", "c"), ("```cpp\n", "cpp")] {
         for block in guide.split(fence).skip(1) {
@@ -436,5 +440,5 @@ fn the_code_of_the_guide_compiles_and_runs() {
             }
         }
     }
-    assert!(count >= 3, "only {count} blocks");
+    assert!(count >= 4, "only {count} blocks");
 }

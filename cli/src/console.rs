@@ -9,7 +9,7 @@ use std::path::Path;
 use stickslip::model::Progress;
 use stickslip::{Compilation, Scene};
 
-/// Prints lines of results. A reader that has closed its end has seen enough: the work goes on without it.
+/// Prints lines of results. A closed pipe is not an error: the output is discarded and the command finishes its work.
 pub fn say(text: &str) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     match writeln!(out, "{text}").and_then(|()| out.flush()) {

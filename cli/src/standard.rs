@@ -1,4 +1,4 @@
-//! Standard input and output in the place of files: `-`.
+//! Standard input and output instead of files: `-`.
 
 use crate::failure::Failure;
 use std::fs::File;
@@ -32,7 +32,7 @@ pub fn create(path: &Path) -> Result<Box<dyn Write>, Failure> {
     Ok(Box::new(File::create(path).map_err(|e| failed(&e))?))
 }
 
-/// Standard output. A reader that has closed its end has seen enough: the work goes on without it.
+/// Standard output. When the reader closes its end, what follows is discarded and the command finishes its work.
 struct Output;
 
 impl Write for Output {

@@ -180,14 +180,52 @@ fn the_settings_of_the_sentences_can_be_pasted() {
         .lines()
         .find(|line| line.starts_with("for 10 % in slip rate use --set"))
         .unwrap();
-    let arguments = sentence.split(" use ").nth(1).unwrap();
-    let arguments = arguments.split(" (").next().unwrap();
-    let words: Vec<&str> = arguments
-        .split(' ')
-        .map(|word| word.trim_matches('\''))
-        .collect();
+    let words = pasted(sentence);
     let table = shell.succeed(&[&["run"], &SMALL[1..], &words].concat());
     assert!(table.contains("contact nodes"));
+}
+
+/// The arguments that a sentence names, as a shell splits them.
+fn pasted(sentence: &str) -> Vec<&str> {
+    let arguments = sentence.split(" use ").nth(1).unwrap();
+    let arguments = arguments.split(" (").next().unwrap().trim_matches('`');
+    let words = arguments.split(' ');
+    words.map(|word| word.trim_matches('\'')).collect()
+}
+
+const MEASURED: &str = include_str!("../../docs/measured.md");
+
+/// The page of measurements names settings that a user can paste; those of the finest mesh take too long for a test.
+#[test]
+fn the_settings_of_the_page_are_valid() {
+    let sentences = MEASURED.lines().filter(|l| l.starts_with("* for "));
+    let sentences: Vec<&str> = sentences.filter(|l| !l.contains("[128,64]")).collect();
+    assert!(sentences.len() >= 4, "{sentences:?}");
+    for sentence in sentences {
+        let words = pasted(sentence);
+        let checked = Shell::new().succeed(&[&["check", "kazmi2014"], &words[..]].concat());
+        assert!(checked.starts_with("kazmi2014: valid"), "{sentence}");
+    }
+}
+
+/// The page has the place into which the command that it names writes, and keeps what stands around it.
+#[test]
+fn the_page_of_measurements_can_be_written_anew() {
+    let command = "stickslip tradeoff kazmi2014 --budget 120 --markdown docs/measured.md";
+    assert!(MEASURED.contains(command));
+    let shell = Shell::new();
+    shell.write("measured.md", MEASURED);
+    shell.succeed(&[&SMALL[..], &["--work", "1e8", "--markdown", "measured.md"]].concat());
+    let written = std::fs::read_to_string(shell.folder.path().join("measured.md")).unwrap();
+    let around = |text: &str| -> [String; 2] {
+        let before = text
+            .split_once("<!-- tradeoff kazmi2014: begin -->")
+            .unwrap();
+        let after = text.split_once("<!-- tradeoff kazmi2014: end -->").unwrap();
+        [before.0.to_owned(), after.1.to_owned()]
+    };
+    assert_eq!(around(&written), around(MEASURED));
+    assert!(written != MEASURED && written.contains("mesh.cells=[8,4]"));
 }
 
 /// Work is counted, not timed: the same settings are measured again.

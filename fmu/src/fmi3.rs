@@ -6,7 +6,7 @@
 //!
 //! # Safety
 //! Every function takes the pointers the standard says: arrays of the stated lengths, strings that end with a zero byte.
-//! NULL where the standard forbids it, and instances or states that are none, are answered with an error.
+//! NULL where the standard forbids it, and invalid instance or state pointers, are answered with an error.
 #![allow(unsafe_code, clippy::missing_safety_doc, clippy::too_many_arguments)]
 
 mod states;

@@ -84,7 +84,7 @@ pub fn create(
     std::ptr::null_mut()
 }
 
-/// Frees an instance; NULL, pointers that are none and an instance in the middle of a call (its own logger, or another thread)
+/// Frees an instance; NULL, invalid pointers and an instance in the middle of a call (its own logger, or another thread)
 /// are left alone.
 pub fn free(pointer: *mut c_void) {
     let _environment = DefaultEnvironment::enter();

@@ -256,7 +256,7 @@ impl Instance {
     pub fn do_step(&mut self, time: f64, step: f64) -> Outcome {
         self.permit(Call::DoStep)?;
         if let Some(stop) = self.stop_time {
-            // rounding that masters accumulate over many steps is none of the pad's business
+            // rounding that masters accumulate over many steps must not change the pad's step
             let slack = PAST_STOP * step + 64.0 * f64::EPSILON * stop.abs();
             if time + step > stop + slack {
                 return Err(Fault::error(format!(

@@ -25,7 +25,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// Loss, in tolerances, up to which an answer is accepted: errors then stay below ten tolerances.
 pub(crate) const ALLOWED_LOSS: f64 = 2.0;
 
-/// Share of the tolerance below which `eps k r` is nothing to look at: the velocity may be a few times `r |u|`.
+/// Share of the tolerance below which `eps k r` needs no attention. It is below 1 because the velocity may be a few times
+/// `r |u|`.
 const WORTH_A_LOOK: f64 = 0.1;
 
 /// Whether steps of `k` of a body with this fastest relaxation rate may lose digits of its displacement that the tolerance
@@ -66,7 +67,7 @@ impl Ends {
                 &forces,
                 &responses,
             );
-            // written so that a number that is none stays
+            // written so that a NaN stays
             lost_digits = if lost_digits >= lost {
                 lost_digits
             } else {

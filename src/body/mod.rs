@@ -28,7 +28,7 @@ pub struct Stage {
     pub theta_k: Option<f64>,
     /// Condensed contact operator S, N s/m.
     pub s: Mat<f64>,
-    /// Numbers of the model's own factor.
+    /// Factor of `M`, in a layout that the body model alone knows.
     pub factor: Vec<f64>,
 }
 

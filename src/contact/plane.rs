@@ -167,8 +167,8 @@ pub fn motion<S: Simd>(
     }
 }
 
-/// How much the slopes wanted differ at every node from those in the matrix at hand, as a share of what the node resists with;
-/// above 1 where a free node sticks or one that is not free, which does not yield, moves. Returns the largest.
+/// Difference at every node between the present slope and the one in the factored matrix, relative to the node's stiffness in
+/// that matrix. Above 1 where a free node sticks, and where a node moves that is not free. Returns the largest.
 #[inline(always)]
 pub fn differences<S: Simd>(
     simd: S,

@@ -99,7 +99,7 @@ impl ContactProblem<'_> {
         0.5 * (a + d) + length(0.5 * (a - d), b)
     }
 
-    /// Takes the product with S of a point that is complete but for that.
+    /// Computes the product with S of a point whose other quantities are complete.
     #[inline(always)]
     pub fn make_exact(&self, point: &mut Point) {
         multiply(self.s, &point.w, &mut point.y);

@@ -9,7 +9,8 @@ use super::point::Point;
 use super::problem::{ContactProblem, SLOWEST, norm};
 use super::solve::newton::second_variation::LARGEST_ACROSS;
 
-/// Slip directions and gradient of W of what moves; zeros where a node sticks. Whether something moves, and whether from rest.
+/// Slip directions and gradient of W at the nodes that move; zeros where a node sticks. Returns whether any node moves, and
+/// whether any starts from rest.
 #[inline(never)]
 pub fn motion(
     problem: &ContactProblem,

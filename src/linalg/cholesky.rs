@@ -122,7 +122,7 @@ impl DenseCholesky {
         });
     }
 
-    /// Makes the lower triangle of the inverse, in the place of the factor.
+    /// Makes the lower triangle of the inverse, overwriting the factor.
     fn square(&mut self) {
         self.invert_factor();
         let padded = self.padded_order();
@@ -220,7 +220,7 @@ mod tests {
                 a[(i, i)] += 0.3;
             }
             let mut cholesky = DenseCholesky::new(m + 3);
-            // what is left of a larger matrix must not matter
+            // entries that remain from a larger matrix must not matter
             assert!(cholesky.factor(m + 3, |_, column| {
                 column.fill(0.1);
                 column[0] = 7.0;

@@ -13,8 +13,8 @@ pub fn mirror_lower(mut a: MatMut<f64>) {
         }
     }
 }
-/// Cholesky factor of a symmetric positive semidefinite matrix (its lower triangle is read) with diagonal pivoting, as far as
-/// its pivots are above `smallest`: the rows in the order they were chosen, and the factor of that part of the matrix.
+/// Cholesky factor of a symmetric positive semidefinite matrix (its lower triangle is read) with diagonal pivoting. Stops at the
+/// first pivot that is not above `smallest`. Returns the rows in the order they were chosen, and the factor of that part.
 ///
 /// # Errors
 /// [`Error::Body`] when an entry is not a number, or a diagonal one negative.

@@ -115,7 +115,7 @@ fn rows<S: Simd, const N: usize>(simd: S, a: MatRef<f64>, x: &[f64], y: &mut [f6
     y.copy_from_slice(&sums);
 }
 
-/// The whole vectors of columns that have `count` of them, and what is left of each.
+/// The whole vectors of columns that have `count` of them, and the rows of each that remain.
 #[inline(always)]
 fn split<S: Simd, const N: usize>(a: [&[f64]; N], count: usize) -> ([&[S::f64s]; N], [&[f64]; N]) {
     let (mut vectors, mut rests): ([&[S::f64s]; N], [&[f64]; N]) = ([&[]; N], [&[]; N]);

@@ -3,12 +3,12 @@
 use super::lanes::visit;
 use pulp::{Arch, Simd, WithSimd};
 
-/// The free motion `(load - rates p) factor`, in the place of the load.
+/// The free motion `(load - rates p) factor`, overwriting the load.
 pub fn free_motion(load: &mut [f64], rates: &[f64], p: &[f64], factor: &[f64]) {
     Arch::new().dispatch(FreeMotion(load, rates, p, factor));
 }
 
-/// The velocity `free - response factor`, in the place of the response.
+/// The velocity `free - response factor`, overwriting the response.
 pub fn corrected_motion(response: &mut [f64], free: &[f64], factor: &[f64]) {
     Arch::new().dispatch(CorrectedMotion(response, free, factor));
 }

@@ -54,7 +54,7 @@ impl SparseCholesky {
     /// Analyses the pattern for the elimination `order` (position -> dof), whose last `trailing` entries are the contact.
     ///
     /// # Errors
-    /// [`Error::Body`] when the order is none or the factor would not fit into memory.
+    /// [`Error::Body`] when the order is not a permutation or the factor would not fit into memory.
     pub fn with_order(
         col_ptr: &[usize],
         row_idx: &[usize],
@@ -71,7 +71,7 @@ impl SparseCholesky {
         let is_permutation = order.len() == n && inverse.iter().all(|&at| at != usize::MAX);
         if !is_permutation || trailing > n {
             return Err(Error::Body {
-                what: format!("the elimination order of {n} dofs is none"),
+                what: format!("the fill-reducing ordering of {n} unknowns is not a permutation"),
             });
         }
         let symbolic = factorize_symbolic_cholesky(

@@ -31,7 +31,7 @@ impl Model {
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut out = Writer::framed();
         self.write(&mut out);
-        // how the setting was found is told, but makes no other model of it
+        // the selection is stored for information and excluded from the fingerprint
         Selection::write(self.summary.selection.as_ref(), &mut out);
         let fallback = self.summary.fallback.as_deref();
         out.word(u64::from(fallback.is_some()));

@@ -231,8 +231,8 @@ impl State {
         Ok(())
     }
 
-    /// Copies another state of the same model but for its recorded past, of which only what is recorded from now on will
-    /// be of use: see [`State::take_past`].
+    /// Copies another state of the same model without its recorded past: only rows recorded from now on will be needed, see
+    /// [`State::take_past`].
     ///
     /// # Errors
     /// Those of [`State::copy_from`].
@@ -255,8 +255,9 @@ impl State {
         }
     }
 
-    /// Copies all that internal steps change of another state of the same model. Not the account of the communication step
-    /// and the memory of the step control, which go on; nor the history: rows that were written in vain are written again.
+    /// Copies all that internal steps change of another state of the same model. The account of the communication step and
+    /// the memory of the step control are kept: they count refused steps too. The history is not copied: a repeated
+    /// pair writes at least as many rows, into the same slots.
     pub(crate) fn copy_steps_from(&mut self, other: &State) {
         self.copy_blocks(other, |kind| !matches!(kind, Kind::Account | Kind::Past));
         self.set_counters(other.counters());

@@ -16,7 +16,8 @@ blocks! {
         /// Contact forces Lambda of the friction law, N; the force on the body is minus this. A node that slips carries its
         /// bound.
         force: Motion[|s| s.contact()],
-        /// Contact forces with which the body is in balance, N: those of the law but for what the friction solver leaves.
+        /// Contact forces with which the body is in balance, N. They differ from those of the law by the residual of the
+        /// friction solver.
         /// They do the work in the energy balance.
         reaction: Motion[|s| s.contact()],
         /// Work-conjugate integrals of the loads, then probes: of the velocity.

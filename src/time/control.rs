@@ -15,7 +15,8 @@
 //! ```
 //!
 //! for the body in the norm of the viscosity and for the contact in the discrete L2 norm (weights omega), the largest over the
-//! time so far and the pairs tried. Then the accumulated error is of the size of the tolerance. Two things soften this:
+//! time so far and the pairs tried. Then the accumulated error is of the size of the tolerance. Larger errors are allowed in two
+//! cases:
 //!
 //! * Where a contact node changes between stick and slip the velocity has a kink (or a jump, where a step has several
 //!   solutions), and `d` falls with one order less (two). A pair with such a change may spend [`BURST`] / r beyond its own 2k:
@@ -23,9 +24,9 @@
 //! * A slip rate below a share of what the velocity of the body could mean at the contact is not resolved relative to itself.
 //!
 //! The size proposed for the next pair belongs to the state. After a refusal the pair is halved as often as the order of the
-//! scheme predicts; otherwise it may double, where the error predicted for twice the size is allowed. Sizes being powers of two
-//! apart, there is nothing for a smoother controller to do; `sizes` does not let a pair reach over the end of the half of
-//! the panel it lies in, which keeps sizes from going up and down around a kink.
+//! scheme predicts; otherwise it may double, where the error predicted for twice the size is allowed. Sizes are
+//! powers of two apart, so a smoother controller would have no effect. `sizes` does not let a pair reach beyond the end of the
+//! half of the panel that it is in, which keeps sizes from alternating around a kink.
 //!
 //! The pair of Hosea and Shampine for TR-BDF2 would give an error for every single step; Simpson's rule is of the same order,
 //! and the same for all schemes.

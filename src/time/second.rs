@@ -50,7 +50,7 @@ pub(crate) fn follow(
     })
 }
 
-/// Runs `change` with the second solution in the place of the main one, which has just moved.
+/// Runs `change` with the second solution swapped for the main one, which has just moved.
 fn follow_with(
     model: &Model,
     state: &mut State,

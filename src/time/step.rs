@@ -4,7 +4,7 @@
 //! loads at the two ends of the communication step; where they jump, the velocity follows   (input_course)
 //! for every part of the communication step                                     (sizes)
 //!     for every internal step of size k in it
-//!         for every stage i of the scheme                                      (qvi::Tableau)
+//!         for every stage i of the scheme                                      (scheme)
 //!             p   = u_n + k sum_{j<i} a_ij w_j                                 explicit part of the history
 //!             r   = S E^T M^-1 (F f_i - B p),   M = A + theta k B              predict
 //!             S w_c + Lambda = r,  Lambda in omega g(|w_c|) d|w_c|             friction

@@ -1,12 +1,13 @@
 //! Derivatives of the outputs at the end of the last step by its inputs, whatever they mean: the consistent tangent.
 //!
 //! Every formula of the step is differentiated where the step was solved. All of them are linear in the tangents except
-//! the friction problem, whose tangents `dw` and `dLambda` are `friction::tangent`'s. The last step is
+//! the friction problem, whose tangents `dw` and `dLambda` are those of `contact::solve::tangent`. The last step is
 //! taken once more from the state before it, so that a step without derivatives costs nothing extra; the repeated step
 //! is the same bit for bit. Where a node is just about to change between stick and slip the outputs have a kink: the
 //! derivative is then that of the branch on which the step ended. An input enters as its course over the step has it
-//! (`input_course`): with its share of the step, with its jump at the beginning, with the slope that it is continued with. Internal steps that `time.tolerance` chose are held: the derivative is that of
-//! the step with just these sizes, and a refused pair of steps is undone in the tangents too.
+//! (`input_course`): with its share of the step, with its jump at the beginning, with the slope that it is continued with.
+//! Internal steps that `time.tolerance` chose are held fixed: the derivative is that of the step with these sizes, and a
+//! refused pair of steps is undone in the tangents too.
 
 use super::companion::{Companion, StagePlace};
 use super::record::{explicit_part, integrate};

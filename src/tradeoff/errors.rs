@@ -71,7 +71,7 @@ impl Errors {
         self.0[quantity as usize]
     }
 
-    /// The largest of them; 0 when there is none.
+    /// The largest of them; 0 for an empty set.
     pub fn worst(&self) -> f64 {
         self.0.iter().flatten().copied().fold(0.0, f64::max)
     }

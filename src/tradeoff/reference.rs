@@ -14,7 +14,7 @@
 //! first order (1) where r is the ratio of two differences, and on second order (1/3) where it is the mean of two ratios; of
 //! one difference alone 2 d is left, which counts on order 0.6. Levels that do not approach each other (`r <= 1`) leave it
 //! unknown. What is refined next is what contributes most.
-//! An error is a figure only where it is ten times what is left or more.
+//! An error is a figure only where it is at least ten times the error left in the reference.
 
 use super::errors::{Errors, Quantity};
 use super::family::{Family, cells};
@@ -34,7 +34,7 @@ const REDUCTION_TOLERANCES: [f64; 2] = [1e-8, 1e-6];
 const FLOORS: [f64; 3] = [2.0, 1.0, 1.0 / 3.0];
 /// Differences below this are rounding, and need not fall any more.
 const ROUNDING: f64 = 1e-9;
-/// Share of the time in what is left above which time is refined.
+/// Share of the time discretisation in the remaining error above which time is refined.
 const SHARE_OF_TIME: f64 = 0.2;
 
 /// A level of the reference, in space or in time.

@@ -1,4 +1,4 @@
-//! Clocks: what a setting costs, and what is left of the budget.
+//! Clocks: what a setting costs, and the budget that remains.
 
 use super::estimate::{Estimate, Speed};
 use super::point::{Group, Point};

@@ -1,4 +1,4 @@
-//! A short table and the sentences as Markdown, kept up to date within a file such as a readme.
+//! A short table and the sentences as Markdown, kept up to date within a file such as `docs/measured.md`.
 
 use super::advice;
 use super::point::{Group, Point, milestones};

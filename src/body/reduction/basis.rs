@@ -42,7 +42,8 @@ impl Basis {
         self.fields
     }
 
-    /// Adds what each column of `block` has that the others have not, unless that is nothing; those that were.
+    /// Orthonormalises the columns of `block` against the basis and each other (A inner product) and appends them. Columns that
+    /// are linearly dependent to working precision are dropped. Returns the indices of the columns kept.
     pub fn add(
         &mut self,
         mut block: Mat<f64>,
@@ -66,7 +67,7 @@ impl Basis {
             let before = energy(own.rb(), image.rb());
             held += self.remove(first, own.rb_mut(), image.rb_mut());
             if energy(own.rb(), image.rb()) < SHRUNK * before {
-                // what is left has lost as many digits against all others, and in its image
+                // the remainder has lost as many digits against all others, and in its image
                 image.copy_from(viscosity(own.rb()));
                 self.remove(0, own.rb_mut(), image.rb_mut());
                 image.copy_from(viscosity(own.rb()));

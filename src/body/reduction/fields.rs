@@ -1,10 +1,11 @@
 //! Responses that are kept as fields of the body: those to the loads and to the smoothest contact forces.
 //!
-//! Samples of the transfer matrix tell responses apart only as far as their energy is above the rounding of the samples. That
-//! is largest where the whole body moves, and what a further shift adds to the response to a load is below it. Friction sees it
-//! all the same: late in a run loads and stresses nearly balance, and errors in time go with the amplitude that is missed,
-//! not with its energy. There are few of these forces, so their responses `(M^-1 A)^j M^-1 f`, M the operator of the middle
-//! sample, are computed as fields, each made orthonormal in A to those before it as soon as it is there.
+//! Samples of the transfer matrix distinguish two responses only when their difference has more energy than the rounding of the
+//! samples. Rounding is largest for motions of the whole body, and what a further shift adds to the response to a load is
+//! below it. Friction reacts to it all the same: late in a run loads and stresses nearly balance, and the error of the slip
+//! rate is proportional to the missing amplitude, not to its energy. There are few such forces. So their responses
+//! `(M^-1 A)^j M^-1 f`, M the operator of the middle sample, are computed as fields, and each is made orthonormal in A to
+//! the ones before it.
 //!
 //! Let `A Q_1 = M Q T` for all fields Q but the last responses, `Q = [Q_1 Q_2]`, with `M = c A + d B`. Their products with the
 //! responses to the ports at a shift `K = alpha M + beta A` then need substitutions for the few fields of Q_2 alone:
@@ -33,7 +34,7 @@ pub struct Depth {
     /// To a load, and to a smooth contact force.
     loads: usize,
     smooth: usize,
-    /// Whether they hold all that the forces do, to the tolerance.
+    /// Whether these fields alone represent the response of the body to the forces to the tolerance, at every shift.
     pub holds_all: bool,
 }
 

@@ -64,8 +64,9 @@ pub struct Modes {
 }
 
 impl Projection {
-    /// Projects on the fields and on the responses at the shifts, but for those to the ports that `is_held` by the fields tells.
-    /// `emphasis` holds the factors by which errors on the contact count that come from the ports that follow it.
+    /// Projects on the fields and on the responses at the shifts. Responses to ports for which `is_held` is true are left out:
+    /// the fields represent them. `emphasis` has a factor for each port after the contact: its errors on the contact count so
+    /// much more.
     ///
     /// # Errors
     /// [`crate::Error::Body`] when the eigenvalues cannot be computed.

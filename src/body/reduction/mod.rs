@@ -1,10 +1,11 @@
 //! Reduction of the body to the relaxation rates that its ports see, to a chosen tolerance.
 //!
-//! Galerkin projection on `span{ (c_i A + d_i B)^-1 P }` over a few shifts (see `galerkin`), which are known beforehand from
-//! the interval of rates (see `shifts`), from samples of the transfer matrix (see `transfer`): a basis of the length of the
-//! body is formed for a few forces alone, where the samples are not sharp enough (see `fields`). The result is then judged at
-//! the samples that are not shifts (see `samples`). Projection keeps the rates between the extreme eigenvalues of `A^-1 B`,
-//! which the element rates bound: a rate outside that matters is an error upstream.
+//! Galerkin projection on `span{ (c_i A + d_i B)^-1 P }` over a few shifts (see `galerkin`). The shifts follow from the interval
+//! of rates alone (see `shifts`), and the projection from samples of the transfer matrix (see `transfer`). Vectors of the
+//! length of the body are formed for a few forces only, for which the samples are not accurate enough (see `fields`). The
+//! result is judged at the samples that are not shifts (see `samples`). Exact projection keeps the rates between the extreme
+//! eigenvalues of `A^-1 B`, which the element rates bound. A rate outside that matters shows an error before the reduction.
+//! README.md in this folder goes through it step by step.
 
 mod basis;
 mod fields;
@@ -35,9 +36,10 @@ use scaling::Scaling;
 use shifts::Shifts;
 use transfer::Sampler;
 
-/// What loads do to the contact is asked for to a smaller error than the tolerance: friction is a small difference of what
-/// they push and what the body holds back, and its stress at a node is sharper than the energy of the contact tells.
-/// Not below the rounding of the samples, though.
+/// The response of the contact to loads must be more accurate than the tolerance, by this factor at most. Friction is a small
+/// difference between the load on the contact and the resistance of the body, so an error of the load is magnified; and the
+/// stress at a single node reacts more strongly than the energy of the whole contact. The factor is smaller where the
+/// rounding of the samples does not allow for it.
 const LOAD_EMPHASIS: f64 = 1000.0;
 /// Weight of the loads among the ports when their responses are ranked, where the fields do not hold them: they are few, and are
 /// kept nearly whole.
@@ -47,8 +49,8 @@ const LOAD_WEIGHT: f64 = 5.0;
 const TRUNCATION_SHARES: [f64; 4] = [0.1, 0.02, 0.3, 1.0];
 /// Shifts of the samples that judge a body with rates too far apart for a plan.
 const JUDGING_SHIFTS: usize = 4;
-/// An outlying rate that changes the transfer matrix by more than this share, however many responses are kept, is no error of
-/// the samples, but one upstream.
+/// Rates outside the interval of the material come from errors of the samples and matter little. One that changes the transfer
+/// matrix by more than this share, however many responses are kept, shows an error before the reduction.
 const OUTLIER: f64 = 1e-2;
 
 /// A reduced model with the record of how it was made.

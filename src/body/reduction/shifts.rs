@@ -70,7 +70,8 @@ impl Shifts {
             .map(|count| Shifts::new(interval, count, tolerance))
     }
 
-    /// `count` shifts with derivatives fit for `tolerance`, as far as samples beyond the ends can make them so.
+    /// `count` shifts, with samples beyond the ends until the derivatives are accurate enough for `tolerance`, or until there
+    /// are as many as allowed.
     pub fn new(interval: [f64; 2], count: usize, tolerance: f64) -> Shifts {
         let needed = (DERIVATIVE_SHARE * tolerance).max(DERIVATIVE_FLOOR);
         let mut extra = 0;

@@ -1,6 +1,6 @@
 //! All modes of a small body: the reduction of last resort, where the rates lie too far apart for a few shifts.
 //!
-//! With `A = L L^T`, the eigenvectors of `L^-1 B L^-T` are the modes, and nothing is projected: what is left is rounding.
+//! With `A = L L^T`, the eigenvectors of `L^-1 B L^-T` are the modes, and nothing is projected: the only error is rounding.
 
 use super::galerkin::Modes;
 use super::scaling::Scaling;

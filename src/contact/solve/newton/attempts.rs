@@ -17,8 +17,8 @@ const IN_PLANE: &[Attempt] = &[
     attempt(0.8, false),
     attempt(0.0, true),
 ];
-/// With two components curvatures across the slip direction change so much that the matrix is made anew in nearly every step:
-/// nodes freed for later would be terms in vain.
+/// With two components the curvature across the slip direction changes so much that the matrix is refactored in almost every
+/// step, so freeing sticking nodes in advance would only add correction terms that are never used.
 const IN_SPACE: &[Attempt] = &[
     attempt(1.0, false),
     attempt(0.95, false),

@@ -1,8 +1,8 @@
 //! Fronts between stick and slip that move over many nodes: the contact problem on ever fewer nodes.
 //!
-//! A Newton step frees the nodes beyond whose bound a force goes, next to a front one or two. Where the body is thin or the
-//! contact has many nodes, a front that has to move over `n` of them so takes about as many iterations. On every second node
-//! it has half as far to go: with `P` the linear interpolation along the contact,
+//! A Newton step frees the nodes whose force exceeds the bound; next to a front between stick and slip these are one or two.
+//! Where the body is thin or the contact has many nodes, a front that has to move over `n` nodes therefore takes about `n`
+//! iterations. On every second node it takes half as many: with `P` the linear interpolation along the contact,
 //!
 //! ```text
 //! S_c = P^T S P,   r_c = P^T r,   omega_c = P^T omega
@@ -10,7 +10,7 @@
 //!
 //! is a contact problem with the same law. The nodes are halved down to [`COARSEST`]; from there up every problem is solved
 //! roughly from the interpolated solution of the one before (a cascade: F. Bornemann and P. Deuflhard, Numer. Math. 75, 1996).
-//! The end is a trial point like any other: it counts only when the step energy W decreases.
+//! The result is a trial point: it is accepted only when the step energy W decreases.
 //!
 //! Only for one tangential component per node: there the nodes are ordered along the contact.
 

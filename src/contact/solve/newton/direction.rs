@@ -1,19 +1,20 @@
 //! The direction of a Newton step, from a factor made at a point of linearisation nearby.
 //!
-//! The matrix wanted is `K = S + D` on the nodes that move, D the second variation of the friction potential there; at hand is
-//! the factor of `K_0 = S_FF + D_0` (see `linearisation`). Where D differs noticeably from D_0, and where a free node sticks,
-//! the difference is a sum of few terms `delta e e^T` (delta infinite for a node that sticks), and
+//! A Newton step solves with `K = S + D` on the nodes that move, D the second variation of the friction potential there. The
+//! solver keeps the factor of `K_0 = S_FF + D_0`, which was made at an earlier point (see `linearisation`). Where D differs
+//! noticeably from D_0, and where a free node sticks, the difference is a sum of few terms `delta e e^T` (delta is infinite
+//! for a node that sticks), and
 //!
 //! ```text
 //! K^-1 g = K_0^-1 (g - E b),   (Delta^-1 + E^T K_0^-1 E) b = E^T K_0^-1 g                (Woodbury; see `small`)
 //! ```
 //!
-//! The other differences are left to the iteration. The small matrix is factored as L D L^T with the positive deltas
-//! first: K is positive definite exactly when the pivots have the signs of their deltas. When it is not, the negative ones
-//! are dropped: the matrix is then above K, and the direction still descends. Too many terms, or a node that moves and is
-//! not free, call for another point of linearisation: the present one.
+//! Smaller differences are not corrected; they cost iterations, not accuracy. The small matrix is factored as L D L^T with
+//! the positive deltas first. K is positive definite exactly when each pivot has the sign of its delta. When it is not, the
+//! terms with negative delta are dropped: the matrix is then above K, and the direction still descends. When there are too
+//! many terms, or when a node moves that is not free in K_0, K is factored anew at the present point.
 //!
-//! A step `K_0^-1 rhs` also tells `S step = rhs - D_0 step` on the free nodes without a product with S.
+//! A step `K_0^-1 rhs` also gives `S step = rhs - D_0 step` on the free nodes without a product with S.
 
 use super::attempts::Attempts;
 use super::last::Last;
@@ -29,7 +30,7 @@ use pulp::Simd;
 
 /// Nodes up to which one product with S costs less than a dot product for every node that is not free.
 const SMALL: usize = 64;
-/// Slow steps in a row for which the matrix is made anew even if nodes have changed between stick and slip meanwhile.
+/// Slow steps in a row after which the matrix is refactored even if nodes have changed between stick and slip meanwhile.
 pub const PATIENCE: u32 = 8;
 
 /// Direction of a Newton step, and scratch to find it.
@@ -88,8 +89,9 @@ impl Direction {
         }
     }
 
-    /// Finds the direction at `point`, after so many slow steps in a row; the point of linearisation moves here when they
-    /// are the fault of the matrix, or when it is too far away. False when nothing moves or no matrix can be had.
+    /// Finds the direction at `point`, after `slow` slow steps in a row. The matrix is factored at this point when the slow
+    /// steps are due to the old one, or when a correction of the old one would need too many terms. False when no
+    /// node moves, or when no attempt gives a positive definite matrix.
     #[inline(always)]
     pub fn find<S: Simd>(
         &mut self,
@@ -180,8 +182,8 @@ impl Direction {
         }
     }
 
-    /// The terms by which the matrix wanted differs from the one at hand; false when they are too many or a node moves
-    /// that is not free.
+    /// Lists the terms by which K differs from the factored matrix. False when there are too many of them, or when a node
+    /// moves that is not free in the factored matrix.
     #[inline(always)]
     fn list_terms<S: Simd>(
         &mut self,

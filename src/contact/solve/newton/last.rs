@@ -1,10 +1,10 @@
-//! The last step and what it changed, for a secant (BFGS) correction of the inverse at hand:
+//! The last step and the change of the gradient that it made, for a secant (BFGS) correction of the inverse H:
 //!
 //! ```text
 //! B = (1 - s z^T / s.z) H (1 - z s^T / s.z) + s s^T / s.z,   s = step, z = change of the gradient
 //! ```
 //!
-//! One pair is enough: what an old matrix leaves behind is nearly always one slow shape.
+//! One BFGS pair suffices: with an outdated matrix the error that remains is nearly always one slowly converging mode.
 
 use crate::contact::plane::Seen;
 use crate::linalg::dot;

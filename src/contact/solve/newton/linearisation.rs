@@ -3,7 +3,7 @@
 //! The matrix is `K = S_FF + D` on the free nodes F, `D` block diagonal: the second variation of the friction potential at
 //! the point of linearisation. That point (theta_k, F and D) is part of the state of a simulation, because the directions
 //! of a Newton step, and so the last bits of its result, depend on it. The factor is only a cache, keyed by the bits of
-//! the point: a simulator that continues from a restored state makes it anew, to the same bits.
+//! the point: a simulator that continues from a restored state refactors it, to the same bits.
 
 use crate::contact::problem::ContactProblem;
 use crate::linalg::{DenseCholesky, column};
@@ -118,7 +118,7 @@ pub struct Factor {
     places: Vec<usize>,
     /// Contact component of every row.
     pub components: Vec<usize>,
-    /// How far every contact component gives way to a force on it, m/(N s): zero where it is not free.
+    /// Contact compliance: diagonal of K^-1, m/(N s). Zero where the component is clamped.
     pub yielding: Vec<f64>,
     pub cholesky: DenseCholesky,
     last_use: u64,

@@ -7,20 +7,44 @@
 //! K = S + omega [ g' n n^T + (g / |w|) (I - n n^T) ],   n = w / |w|;   in the plane S + diag(omega g')
 //! ```
 //!
-//! 1. The direction solves with K up to differences that hardly matter, from the factor of K at an earlier point of the
-//!    same step size, be it of an earlier step, and a small correction for the nodes that have changed since between stick
-//!    and slip or in slope (see `direction`, `linearisation`). So an iteration costs a few products of contact order. K is
+//! 1. The direction solves with K, small differences neglected. It uses the factor of K at an earlier point with the same step
+//!    size, possibly of an earlier step, and a small correction for the nodes that have changed since then between stick and
+//!    slip or in slope (see `direction`, `linearisation`). So an iteration costs a few products of contact order. K is
 //!    factored anew, at the present point, when too much has changed or the residual falls slowly: then the step is a
 //!    semismooth Newton step.
-//! 2. Where `g` decreases K may be indefinite; then `g'` is dropped, which is a Newton step of the frozen-bound problem, a
-//!    majoriser of W (the paper's Problem 7.4), and the step is lengthened while W decreases.
+//! 2. Where `g` decreases K may be indefinite; then the share of the weakening `g'` in the matrix is
+//!    lowered in turn to 0.95, 0.8 and 0 until K is positive definite (see `attempts`). At 0 the step is a Newton step of the
+//!    frozen-bound problem, a majoriser of W (the paper's Problem 7.4), and it is lengthened while W decreases.
 //! 3. A node that would reverse its direction stops at stick. A step must decrease W; when no step length does, neither
 //!    from the old nor from the present matrix, a few sweeps of frozen-bound minimisations node by node follow, which can
 //!    never increase W.
 //! 4. Where steps stay slow because a front between stick and slip has far to go, it is moved on fewer nodes (see `cascade`).
-//! 5. The iteration stops on the residual of the friction law itself, so what the matrix was never shows in the answer.
+//! 5. The iteration stops on the residual of the friction law itself, so the matrix
+//!    affects the number of iterations, not the accuracy.
 //!
-//! After M. Stadler (SIOPT 2004) and Hueeber, Stadler, Wohlmuth (SISC 30, 2008) for the active sets, and the chord method
+//! One iteration of `solve`; every accepted point goes back to the top:
+//!
+//! ```text
+//!   residual <= tolerance, point complete ------------------------------> done, converged
+//!   residual as small as rounding allows (asked at the start, when slow) -> done, converged at rounding
+//!   residual NaN, or iterations used up --------------------------------> done, not converged
+//!        | otherwise
+//!        v
+//!   front far from rest for CRAWLING iterations? --yes--> cascade --moved--> accepted
+//!        | no                                               | not moved
+//!        v                                                  |
+//!   Newton step, matrix kept <------------------------------+
+//!        |-- W decreases -----------------------------------------------> accepted
+//!        v refused
+//!   Newton step, matrix factored at this point (weakening 1, 0.95, 0.8, 0)
+//!        |-- W decreases -----------------------------------------------> accepted
+//!        v refused
+//!   frozen-bound sweeps, which never increase W ------------------------> accepted
+//!
+//!   accepted: slow counts the steps that left more than SLOW of the residual; from PATIENCE on, the matrix is factored anew
+//! ```
+//!
+//! After M. Stadler (SIOPT 2004) and Hueber, Stadler, Wohlmuth (SISC 30, 2008) for the active sets, and the chord method
 //! (C. T. Kelley, Iterative Methods for Linear and Nonlinear Equations, SIAM 1995, 5.4) for the matrix that is kept.
 
 mod attempts;
@@ -63,7 +87,7 @@ const SUFFICIENT_DECREASE: f64 = 1e-4;
 const HALVINGS: usize = 6;
 /// Doublings of a step of the frozen-bound problem.
 const DOUBLINGS: usize = 30;
-/// Sweeps taken in the place of a refused Newton step.
+/// Sweeps taken instead of a refused Newton step.
 const SWEEPS: usize = 4;
 /// Changes of W below this share of its terms are rounding, and the residual decides.
 const ENERGY_ROUNDING: f64 = 1e-13;
@@ -444,7 +468,7 @@ fn cascade(problem: &ContactProblem, ws: &mut Workspace) -> bool {
     is_decrease
 }
 
-/// Sweeps in the place of a refused Newton step.
+/// Takes sweeps instead of a refused Newton step.
 #[inline(never)]
 fn sweep(problem: &ContactProblem, ws: &mut Workspace) {
     ws.direction.note(None);

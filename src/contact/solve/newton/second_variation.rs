@@ -17,13 +17,14 @@ use crate::contact::problem::{ContactProblem, norm};
 
 /// A difference in curvature below this share of what the node resists with is left to the iteration.
 pub const NOTICEABLE: f64 = 0.03;
-/// Terms allowed: an eighth of the contact components, within limits. Half of them are for nodes that stick and are freed all
-/// the same, because they may slip soon.
+/// Limits of the number of terms, which is an eighth of the contact components. Half of the terms are reserved for nodes
+/// that stick but are close to slipping: they are freed in the matrix in advance, and clamped by a term while they stick.
 const TERMS: std::ops::RangeInclusive<usize> = 4..=96;
 /// Halvings in the search for the share of the bound above which nodes that stick are freed.
 const HALVINGS: usize = 10;
-/// Largest curvature across the slip direction, in units of the node's own stiffness: a node just about to stop has
-/// practically a fixed direction, and what it does along it must survive the sum with this.
+/// Largest curvature across the slip direction, in units of the node's own stiffness. At a node that is about to stop the
+/// curvature `g / |w|` grows without bound; beyond this value the direction is fixed in practice, and the digits of the
+/// motion along it would be lost in the sum of both.
 pub const LARGEST_ACROSS: f64 = 1e8;
 
 /// Terms allowed for this many contact components.
@@ -101,8 +102,8 @@ impl SecondVariation<'_, '_> {
         ]
     }
 
-    /// Makes the point the one of linearisation: what moves is free, and with `frees_near` also the nodes that stick but are
-    /// nearest to slipping, as many as there are terms to hold them. `scratch` has an entry per node.
+    /// Makes this point the point of linearisation. Nodes that move are free; with `frees_near` also the sticking nodes closest
+    /// to slipping, as many as there are terms to clamp them with. `scratch` has an entry per node.
     pub fn linearise(&self, at: &mut Linearisation, frees_near: bool, scratch: &mut [f64]) {
         let mut least = f64::INFINITY;
         if frees_near {
@@ -120,8 +121,8 @@ impl SecondVariation<'_, '_> {
         });
     }
 
-    /// The terms by which K differs from the matrix at hand at the nodes whose `differences` are noticeable; false when they
-    /// are too many or a node moves that is not free.
+    /// Lists the terms by which K differs from the factored matrix at the nodes whose `differences` are noticeable. False when
+    /// there are too many, or when a node moves that is not free in the factored matrix.
     #[inline(never)]
     pub fn list_terms(&self, factor: &Factor, differences: &[f64], terms: &mut Vec<Term>) -> bool {
         let c = self.problem.components;

@@ -1,14 +1,15 @@
-//! The few terms by which the matrix of a Newton step differs from the one whose factor is at hand.
+//! Correction of a factored matrix `K_0` by a few terms `delta e e^T` (Woodbury).
 //!
-//! With `K_0 = L L^T` at hand and `Y = L^-1 E`, half a solve with the terms e as right-hand sides, the matrix of the Woodbury
-//! formula is `Delta^-1 + Y^T Y`, and the forces of the terms are subtracted half-way through a solve: `L^-1 g - Y b`. Where a
-//! small matrix is inverted instead, the first half does nothing: `Delta^-1 + E^T (H E)` and `g - E b`.
+//! With `K_0 = L L^T` and `Y = L^-1 E`, the forward half of a solve with the terms e as right-hand sides, the matrix of the
+//! Woodbury formula is `Delta^-1 + Y^T Y`, and the forces of the terms are subtracted between the two halves of a solve:
+//! `L^-1 g - Y b`. Small matrices are inverted instead (`H = K_0^-1`, see `linalg::cholesky`). Their forward half is the
+//! identity: `Delta^-1 + E^T (H E)` and `g - E b`.
 
 use super::linearisation::Factor;
 use crate::linalg::{lanes, length};
 use pulp::{Arch, Simd, WithSimd};
 
-/// A term `delta e e^T` of the difference between the matrix wanted and the one at hand.
+/// A term `delta e e^T` of the difference between K and the factored matrix.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Term {
     /// First row of the node in the factor.
@@ -56,8 +57,8 @@ pub fn symmetric_terms([xx, xy, yy]: [f64; 3]) -> [(f64, [f64; 2]); 2] {
     [(mean + radius, [x, y]), (mean - radius, [-y, x])]
 }
 
-/// `L D L^T` of `Delta^-1 + Y^T Y`. What the terms have in common with the last ones is not factored again: most nodes that
-/// stick stick on.
+/// `L D L^T` of `Delta^-1 + Y^T Y`. The leading terms that are the same as those of the last call are not factored again:
+/// most nodes that stick in one iteration stick in the next.
 pub struct SmallSystem {
     stride: usize,
     /// The terms factored, and with which factor.
@@ -114,7 +115,8 @@ impl SmallSystem {
         })
     }
 
-    /// Factors term by term, up to the first whose pivot has not the sign of its delta; whether there is none.
+    /// Factors term by term. Stops at the first pivot whose sign differs from that of its delta and returns false; true when
+    /// every term was factored.
     #[inline(always)]
     fn factor<S: Simd>(&mut self, simd: S, terms: &[Term], factor: &Factor, c: usize) -> bool {
         let stride = self.stride;
