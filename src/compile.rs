@@ -11,10 +11,10 @@ use std::sync::Arc;
 /// Compiles a scene.
 ///
 /// # Errors
-/// [`Error::Scene`] and [`Error::Body`] for a scene without a usable body or beyond `fidelity.memory_limit`;
-/// [`Error::ReductionInaccurate`] when the reduction asked for is out of reach; [`Error::LostDigits`] when 64-bit numbers lose
-/// more of the body than `fidelity.tolerance`; [`Error::Unstable`] for an explicit scheme beyond its stability limit without
-/// `time.force`; [`Error::Scene`] at `fidelity.target_error` for a target out of reach.
+/// [`crate::Error::Scene`] and [`crate::Error::Body`] for a scene without a usable body or beyond `fidelity.memory_limit`;
+/// [`crate::Error::ReductionInaccurate`] when the reduction asked for is out of reach; [`crate::Error::LostDigits`] when 64-bit numbers lose
+/// more of the body than `fidelity.tolerance`; [`crate::Error::Unstable`] for an explicit scheme beyond its stability limit without
+/// `time.force`; [`crate::Error::Scene`] at `fidelity.target_error` for a target out of reach.
 pub fn compile(scene: &Scene) -> Result<Arc<Model>> {
     Compilation::new(scene).map(|c| c.model)
 }
@@ -22,7 +22,7 @@ pub fn compile(scene: &Scene) -> Result<Arc<Model>> {
 /// Compiles a scene and tells `observer` where that stands; it may stop it.
 ///
 /// # Errors
-/// Those of [`compile`]; [`Error::Cancelled`].
+/// Those of [`compile`]; [`crate::Error::Cancelled`].
 pub fn compile_with(scene: &Scene, observer: &mut Observer) -> Result<Arc<Model>> {
     Compilation::with(scene, observer).map(|c| c.model)
 }

@@ -102,7 +102,7 @@ impl Mesh {
     /// Node numbers of each face of a part.
     ///
     /// # Errors
-    /// [`Error::Scene`] when the mesh has no such part; `path` is the place of the scene that names it.
+    /// [`crate::Error::Scene`] when the mesh has no such part; `path` is the place of the scene that names it.
     pub fn faces(&self, part: &str, path: &str) -> Result<impl Iterator<Item = &[u32]> + Clone> {
         match self.parts.get(part) {
             Some(faces) => Ok(faces.chunks_exact(self.element.face_nodes())),
