@@ -54,7 +54,7 @@ fn a_load_beyond_the_numbers_is_an_error() {
         json!({"law": "tresca", "bound": 0.01}),
         json!({"law": "frictionless"}),
     ];
-    let settings: [&[(&str, Value)]; 6] = [
+    let settings: [&[(&str, Value)]; 7] = [
         &[],
         &[("/fidelity/model", json!("condensed"))],
         &[
@@ -65,6 +65,12 @@ fn a_load_beyond_the_numbers_is_an_error() {
         &[("/time/error_estimate", json!(true))],
         &[
             ("/time/start", json!("zero")),
+            ("/time/scheme", json!("backward_euler")),
+        ],
+        &[
+            ("/mesh/cells", json!([1, 1])),
+            ("/element", json!("p2")),
+            ("/fidelity/model", json!("full")),
             ("/time/scheme", json!("backward_euler")),
         ],
     ];

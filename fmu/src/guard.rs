@@ -27,6 +27,7 @@ use stickslip::float_environment::DefaultEnvironment;
 
 /// Status values, the same in FMI 2 and FMI 3.
 pub const OK: i32 = 0;
+pub const WARNING: i32 = 1;
 pub const DISCARD: i32 = 2;
 pub const ERROR: i32 = 3;
 

@@ -17,6 +17,7 @@ pub mod fmi3;
 mod guard;
 mod lifecycle;
 mod log;
+mod notes;
 mod package;
 mod parameters;
 mod phase;

@@ -11,6 +11,7 @@ mod values;
 use crate::component::Component;
 use crate::fault::{Fault, Outcome};
 use crate::log::{Category, Log};
+use crate::notes::Notes;
 use crate::parameters;
 use crate::phase::Phase;
 use crate::registry;
@@ -78,6 +79,8 @@ pub struct Experiment {
 /// One instance of the FMU.
 pub struct Instance {
     pub log: Log,
+    /// What steps have noted and the log was told.
+    notes: Notes,
     /// The FMU as packed.
     packed: Arc<Component>,
     /// The FMU with the parameters of this instance, once compiled.
@@ -101,6 +104,7 @@ impl Instance {
         let simulator = Simulator::new(Arc::clone(&component.model));
         Instance {
             log,
+            notes: Notes::default(),
             phase: Phase::Instantiated,
             start_time: 0.0,
             stop_time: None,
@@ -266,6 +270,7 @@ impl Instance {
             }
         }
         self.simulator.do_step(time, step)?;
+        self.notes.tell(&self.simulator, time, &self.log);
         self.are_values_fresh = false;
         Ok(())
     }
@@ -283,6 +288,7 @@ impl Instance {
         self.parameters.clone_from(&self.packed.parameters);
         self.start_time = 0.0;
         self.stop_time = None;
+        self.notes = Notes::default();
         self.phase = Phase::Instantiated;
         self.are_values_fresh = false;
         Ok(())

@@ -8,17 +8,24 @@ use std::ffi::CStr;
 pub enum Category {
     Error,
     Discard,
+    Warning,
     Event,
 }
 
 impl Category {
-    pub const ALL: [Category; 3] = [Category::Error, Category::Discard, Category::Event];
+    pub const ALL: [Category; 4] = [
+        Category::Error,
+        Category::Discard,
+        Category::Warning,
+        Category::Event,
+    ];
 
     /// Name in the model description.
     pub fn name(self) -> &'static CStr {
         match self {
             Category::Error => c"logStatusError",
             Category::Discard => c"logStatusDiscard",
+            Category::Warning => c"logStatusWarning",
             Category::Event => c"logEvents",
         }
     }
@@ -27,6 +34,10 @@ impl Category {
         match self {
             Category::Error => "A call that was refused, with the reason; always logged.",
             Category::Discard => "Values or a step that were discarded; others may succeed.",
+            Category::Warning => {
+                "What accepted steps note: several solutions, a friction law that holds as well as rounding allows; when it begins \
+                 and when it has ended."
+            }
             Category::Event => "Compilation of the scene with changed parameters.",
         }
     }
@@ -74,8 +85,12 @@ impl Log {
         Ok(())
     }
 
+    pub fn is_on(&self, category: Category) -> bool {
+        category == Category::Error || self.is_on[category as usize]
+    }
+
     pub fn write(&self, status: i32, category: Category, message: &str) {
-        if category == Category::Error || self.is_on[category as usize] {
+        if self.is_on(category) {
             (self.sink)(status, category, message);
         }
     }

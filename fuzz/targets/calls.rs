@@ -6,9 +6,23 @@ use libfuzzer_sys::fuzz_target;
 use std::ptr::{null, null_mut};
 use std::sync::LazyLock;
 use stickslip::capi::*;
+use std::sync::atomic::{AtomicPtr, Ordering};
 use stickslip_fuzz::{Input, models};
 
-static MODELS: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| models().iter().map(|model| model.to_bytes()).collect());
+/// The models, loaded once; simulators share them.
+static MODELS: LazyLock<Vec<AtomicPtr<stickslip_model>>> = LazyLock::new(|| {
+    let load = |bytes: Vec<u8>| {
+        let mut model = null_mut();
+        assert_eq!(unsafe { stickslip_model_load(bytes.as_ptr(), bytes.len(), &mut model) }, STICKSLIP_OK);
+        AtomicPtr::new(model)
+    };
+    models().iter().map(|model| load(model.to_bytes())).collect()
+});
+
+/// Most calls of an input.
+const MOST_CALLS: usize = 24;
+/// Most largest steps that one call asks for.
+const MOST_STEPS: f64 = 8.0;
 
 /// What no call may answer here: the library has panicked.
 const POISONED: i32 = stickslip::ErrorCode::Poisoned as i32;
@@ -82,7 +96,7 @@ impl Client {
                 let mut step = self.info.largest_step * f64::from(1 + input.byte() % 4);
                 if input.byte() > 240 {
                     // as long as it cannot take long
-                    step = input.number().min(50.0 * self.info.largest_step);
+                    step = input.number().min(MOST_STEPS * self.info.largest_step);
                 }
                 if self.change(|| unsafe { stickslip_do_step(simulator, time, step) }) >= 0 {
                     self.outputs_are_finite();
@@ -150,20 +164,19 @@ impl Client {
 
 fuzz_target!(|data: &[u8]| {
     let mut input = Input(data);
-    let bytes = &MODELS[usize::from(input.byte()) % MODELS.len()];
-    let (mut model, mut simulator, mut state) = (null_mut(), null_mut(), null_mut());
+    let model = MODELS[usize::from(input.byte()) % MODELS.len()].load(Ordering::Relaxed);
+    let (mut simulator, mut state) = (null_mut(), null_mut());
     unsafe {
-        assert_eq!(stickslip_model_load(bytes.as_ptr(), bytes.len(), &mut model), STICKSLIP_OK);
         assert_eq!(stickslip_new(model, &mut simulator), STICKSLIP_OK);
         assert_eq!(stickslip_state_new(simulator, &mut state), STICKSLIP_OK);
         let mut info: stickslip_model_info = std::mem::zeroed();
         assert_eq!(stickslip_model_get_info(model, &mut info), STICKSLIP_OK);
-        stickslip_model_free(model);
         let mut client = Client { info, simulator, state, bytes: Vec::new() };
-        let mut calls = 0;
-        while !input.is_empty() && calls < 64 {
+        for _ in 0..MOST_CALLS {
+            if input.is_empty() {
+                break;
+            }
             client.call(&mut input);
-            calls += 1;
         }
         stickslip_free(client.simulator);
         stickslip_state_free(client.state);

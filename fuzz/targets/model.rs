@@ -5,7 +5,7 @@
 use libfuzzer_sys::fuzz_target;
 use std::sync::{Arc, LazyLock};
 use stickslip::{Error, Model, Simulator};
-use stickslip_fuzz::{Input, MOST_STEPS, check_outputs, damage, exercise, models, seal};
+use stickslip_fuzz::{Input, check_outputs, damage, exercise, models, seal};
 
 static MODELS: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| models().iter().map(|model| model.to_bytes()).collect());
 
@@ -22,7 +22,7 @@ fuzz_target!(|data: &[u8]| {
         loaded = Model::from_bytes(&bytes);
     }
     let Ok(model) = loaded else { return };
-    assert!(model.largest_step() > 0.0 && MOST_STEPS > 1.0);
+    assert!(model.largest_step() > 0.0);
     let mut simulator = Simulator::new(Arc::new(model));
     if simulator.init(0.0).is_ok() {
         check_outputs(&simulator);

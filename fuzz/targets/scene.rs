@@ -24,6 +24,9 @@ const CHOICES: [(&str, &str); 24] = [
     ("fidelity.precision", "single"), ("loads[0].interpolation", "hold"),
 ];
 
+/// Most cells of a scene that is compiled: what takes long is not what is looked for.
+const MOST_CELLS: u64 = 4;
+
 fuzz_target!(|data: &[u8]| {
     let scene = if data.first().is_some_and(|first| b"{[\xef \n".contains(first)) {
         let Ok(text) = std::str::from_utf8(data) else { return };
@@ -32,7 +35,7 @@ fuzz_target!(|data: &[u8]| {
         let mut input = Input(data);
         let names: Vec<&str> = stickslip::scene::example_names().collect();
         let name = names[usize::from(input.byte()) % names.len()];
-        let cells = if name == "brake_pad_3d" { "[2, 1, 1]" } else { "[3, 2]" };
+        let cells = if name == "brake_pad_3d" { "[1, 1, 1]" } else { "[2, 1]" };
         let mut overrides = vec![("mesh.cells".to_string(), cells.to_string())];
         while !input.is_empty() {
             let place = usize::from(input.byte());
@@ -49,10 +52,9 @@ fuzz_target!(|data: &[u8]| {
         Scene::with_overrides(stickslip::scene::example(name).expect("an embedded scene"), name, &overrides)
     };
     let Ok(scene) = scene else { return };
-    // what takes long is not what is looked for
     let cells: u64 = scene.mesh.grid().cells.iter().map(|&n| u64::from(n)).fold(1, u64::saturating_mul);
     let has_refinement = matches!(&scene.mesh, stickslip::scene::MeshSpec::Rectangle(r) if !r.refine.is_empty());
-    if cells > 32 || has_refinement || scene.fidelity.target_error.is_some() || scene.history.capacity > 1000 {
+    if cells > MOST_CELLS || has_refinement || scene.fidelity.target_error.is_some() || scene.history.capacity > 1000 {
         return;
     }
     let text = scene.to_json();
