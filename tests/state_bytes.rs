@@ -250,6 +250,23 @@ fn numbers_that_are_none_are_refused_everywhere() {
     }
 }
 
+/// A proposed step size of zero would stay zero, and every step take a billion of the smallest ones.
+#[test]
+fn a_proposed_step_size_out_of_range_is_refused() {
+    let model = compile(&paper(4, &[("time.tolerance", "1e-3")])).unwrap();
+    let bytes = states(&model).pop().unwrap();
+    let words = (bytes.len() - HEADER - 8) / 8;
+    let mut simulator = Simulator::new(model);
+    for (value, most) in [(0.0_f64, 1), (1e3, words)] {
+        let refused = (COUNTERS..words).filter(|at| {
+            let outcome = simulator.restore_bytes(&with_word(&bytes, *at, value.to_bits()));
+            outcome.is_err_and(|error| error.to_string().contains("proposed step size"))
+        });
+        let count = refused.count();
+        assert!((1..=most).contains(&count), "{value}: {count}");
+    }
+}
+
 /// Finite but absurd: the next step ends in an error, and what is read before it is finite.
 #[test]
 fn absurd_states_end_in_an_error() {

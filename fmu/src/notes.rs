@@ -14,7 +14,7 @@ struct Kind {
     end: &'static str,
 }
 
-const KINDS: [Kind; 2] = [
+const KINDS: [Kind; 3] = [
     Kind {
         applies: |simulator| simulator.solutions().0 > 1.0,
         text: |simulator| {
@@ -33,6 +33,17 @@ const KINDS: [Kind; 2] = [
             )
         },
         end: "holds the friction law to fidelity.friction_tolerance again",
+    },
+    Kind {
+        applies: |simulator| simulator.lost_digits().is_some(),
+        text: |simulator| {
+            let lost = simulator.lost_digits().unwrap_or_default();
+            format!(
+                "leaves displacement and slip a relative error of {lost:.1e} by rounding: it is millions of relaxation times \
+                 long and follows a jump of the loads"
+            )
+        },
+        end: "loses no digits to a jump of the loads",
     },
 ];
 

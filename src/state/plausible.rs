@@ -2,7 +2,7 @@
 //! another program has written.
 
 use super::layout::{Blocks, Kind};
-use super::{MEANINGS, State};
+use super::{MEANINGS, State, control};
 use crate::bytes::Reader;
 use crate::contact::solve::newton::linearisation;
 use crate::error::Result;
@@ -59,6 +59,14 @@ impl State {
                     "a number of its past is not finite",
                 )?,
             }
+        }
+        if self.is_initialized == 1 && model.tolerance().is_some() {
+            // sizes grow from the proposed one by factors: from zero they never would
+            let proposed = self.control[control::PROPOSED];
+            ensure(
+                proposed > 0.0 && proposed <= 2.0 * model.largest_step(),
+                "its proposed step size is out of range",
+            )?;
         }
         let checked = model.friction().check_values(&self.coefficients);
         checked.map_err(|e| Reader::refusal(format!("saved state: {e}")))?;
