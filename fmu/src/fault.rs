@@ -2,6 +2,12 @@
 
 use stickslip::Error;
 
+/// Status values, the same in FMI 2 and FMI 3.
+pub const OK: i32 = 0;
+pub const WARNING: i32 = 1;
+pub const DISCARD: i32 = 2;
+pub const ERROR: i32 = 3;
+
 /// A refused call; the instance is as it was before.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fault {

@@ -14,6 +14,7 @@ pub use pointers::{read, slice, slice_mut, text, write};
 pub use resources::{native_path, resources_beside_library, uri_path};
 
 use crate::component::Component;
+pub use crate::fault::{DISCARD, ERROR, OK};
 use crate::fault::{Fault, Outcome};
 use crate::lifecycle::{Call, Instance};
 use crate::log::{Category, Log};
@@ -24,12 +25,6 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use stickslip::float_environment::DefaultEnvironment;
-
-/// Status values, the same in FMI 2 and FMI 3.
-pub const OK: i32 = 0;
-pub const WARNING: i32 = 1;
-pub const DISCARD: i32 = 2;
-pub const ERROR: i32 = 3;
 
 struct Slot {
     is_busy: AtomicBool,

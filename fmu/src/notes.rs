@@ -1,7 +1,7 @@
 //! What accepted steps note about themselves, for the log: told by the first step that it applies to and, once it applies no
 //! longer, by the first step without it. The status of the steps stays OK.
 
-use crate::guard::{OK, WARNING};
+use crate::fault::{OK, WARNING};
 use crate::log::{Category, Log};
 use stickslip::Simulator;
 

@@ -1,6 +1,7 @@
 //! What a model says of the time settings of its scene.
 
 use super::Model;
+use crate::body::digits::can_lose_in_steps;
 use crate::scene::Start;
 
 impl Model {
@@ -23,6 +24,11 @@ impl Model {
         } else {
             tableau.order()
         }
+    }
+
+    /// Whether internal steps of `k` may lose digits of displacement and slip.
+    pub(crate) fn can_lose_digits(&self, k: f64) -> bool {
+        can_lose_in_steps(self.scene(), self.tableau(), self.summary().rates[1], k)
     }
 
     /// Step sizes whose factorizations a simulator keeps: the start, the communication step, its last remainder, and a trial

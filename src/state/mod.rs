@@ -13,7 +13,6 @@ use crate::error::{Error, Result};
 use crate::linalg::dot;
 use crate::model::Model;
 use crate::scene::Inputs;
-use crate::time::lost_digits;
 use layout::{Blocks, Kind, Sizes, blocks};
 
 blocks! {
@@ -143,7 +142,7 @@ impl State {
             outputs: model.output_count(),
             coefficients: model.friction().start().len(),
             has_second: model.has_error_estimate(),
-            can_lose_digits: lost_digits::can_lose(model, model.largest_step()),
+            can_lose_digits: model.can_lose_digits(model.largest_step()),
             rows: model.history_capacity(),
         }
     }

@@ -18,14 +18,9 @@
 //! tolerance: in all scenes but those of steps some millions of relaxation times long.
 
 use super::workspace::Velocity;
-use crate::body::digits::{ALLOWED_LOSS, can_lose_in_steps};
+use crate::body::digits::ALLOWED_LOSS;
 use crate::model::Model;
 use crate::state::{State, energy, report};
-
-/// Whether internal steps of `k` may lose digits.
-pub(crate) fn can_lose(model: &Model, k: f64) -> bool {
-    can_lose_in_steps(model.scene(), model.tableau(), model.summary().rates[1], k)
-}
 
 /// The sizes at the beginning of an internal step.
 pub(crate) struct Before {
@@ -35,7 +30,7 @@ pub(crate) struct Before {
 
 /// The sizes at the beginning of an internal step of `k`; `None` where it can lose nothing.
 pub(crate) fn before(model: &Model, state: &State, k: f64) -> Option<Before> {
-    can_lose(model, k).then(|| Before {
+    model.can_lose_digits(k).then(|| Before {
         body: elastic_norm(state),
         slip: model.contact_norm(|i| state.slip[i]),
     })

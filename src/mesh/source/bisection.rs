@@ -6,7 +6,8 @@
 //! shared by both neighbours, this ends and gives a conforming mesh with finitely many shapes (Mitchell, ACM Trans. Math.
 //! Softw. 15 (1989) 326-347; Binev, Dahmen and DeVore, Numer. Math. 97 (2004) 219-268).
 
-use super::rectangle::{CrissCross, Refinement};
+use super::criss_cross::CrissCross;
+use super::refinement::Refinement;
 use crate::error::Result;
 use crate::mesh::MAX_NODES;
 use crate::refusal::scene_error;

@@ -9,8 +9,8 @@
 //!
 //! Nodes: layer by layer from z = 0, inside a layer as in the plane.
 
+use super::criss_cross::{CrissCross, side_names};
 use super::grid::{Axis, Grid};
-use super::rectangle::{CrissCross, side_names};
 use super::{Extent, MeshSource, RegionBox, regions};
 use crate::element::{Element, linear};
 use crate::error::Result;

@@ -6,16 +6,19 @@
 
 mod bisection;
 mod boxes;
+mod criss_cross;
 mod grid;
 mod lines;
 mod rectangle;
+mod refinement;
 mod regions;
 
 pub use boxes::BoxMesh;
 pub use grid::{Axis, Grid};
+pub use rectangle::Rectangle;
 #[cfg(test)]
 pub(super) use rectangle::ungraded;
-pub use rectangle::{Rectangle, Refinement};
+pub use refinement::Refinement;
 pub use regions::{BODY, RegionBox};
 
 use super::Mesh;

@@ -2,8 +2,9 @@
 //!
 //! Nodes: the corners of the cells row by row (x fastest), then the centres of the cells row by row.
 
+use super::criss_cross::{CrissCross, side_names};
 use super::grid::{Axis, Grid, THINNEST};
-use super::lines::Lines;
+use super::refinement::Refinement;
 use super::{Extent, MeshSource, RegionBox, bisection, regions};
 use crate::element::{Element, linear};
 use crate::error::Result;
@@ -44,40 +45,9 @@ pub struct Rectangle {
     pub regions: Vec<RegionBox>,
 }
 
-/// Every triangle that touches a box is bisected until its longest side has at most a given length; its neighbours are
-/// bisected as far as the mesh needs to conform, so that the triangles grow steadily with the distance from the box. This
-/// puts unknowns where they matter: a corner at the end of a clamped or contact part, where the stress concentrates (a
-/// corner costs some four triangles for every halving of `size`), or the piece of the contact where slip turns into stick.
-/// Not together with `periodic`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Refinement {
-    /// Corner of the box with the smaller coordinates, m.
-    pub from: [f64; 2],
-    /// Corner of the box with the larger coordinates, m. Default: `from`, a point.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub to: Option<[f64; 2]>,
-    /// Longest side that the triangles there may have, m; at least 1e-7 of the longer side of the body.
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub size: f64,
-}
-
 /// No grading.
 fn uniform() -> [f64; 2] {
     [1.0; 2]
-}
-
-impl Refinement {
-    /// The corner of the box with the larger coordinates, m.
-    pub(super) fn upper(&self) -> [f64; 2] {
-        self.to.unwrap_or(self.from)
-    }
-
-    /// Nodes that a filled box takes: right triangles with this longest side, two for each node.
-    fn nodes(&self) -> f64 {
-        let (from, to) = (self.from, self.upper());
-        2.0 * (to[0] - from[0]) * (to[1] - from[1]) / (self.size * self.size)
-    }
 }
 
 impl Rectangle {
@@ -172,93 +142,6 @@ impl MeshSource for Rectangle {
         let mut mesh = Mesh::new(linear(2), plane.nodes, cells, plane.leader);
         mesh.name_sides(&plane.sides, &side_names(&self.periodic));
         regions::assign(&self.regions, mesh)
-    }
-}
-
-/// Bits of the sides in the order left, right, bottom, top.
-pub(super) const LEFT: u8 = 1;
-pub(super) const RIGHT: u8 = 2;
-pub(super) const BOTTOM: u8 = 4;
-pub(super) const TOP: u8 = 8;
-
-/// Names of the four sides, `None` along a periodic axis.
-pub(super) fn side_names(periodic: &[Axis]) -> [Option<&'static str>; 4] {
-    let free = |axis, name| (!periodic.contains(&axis)).then_some(name);
-    [
-        free(Axis::X, "left"),
-        free(Axis::X, "right"),
-        free(Axis::Y, "bottom"),
-        free(Axis::Y, "top"),
-    ]
-}
-
-/// The criss-cross in the plane, before the sides are named: also the base of the extruded box.
-pub(super) struct CrissCross {
-    pub nodes: Vec<[f64; 3]>,
-    /// Triangles, counter-clockwise; the first two nodes are a side of the grid.
-    pub triangles: Vec<[u32; 3]>,
-    /// Sides on which each node lies (bits).
-    pub sides: Vec<u8>,
-    /// Node that each node follows.
-    pub leader: Vec<u32>,
-}
-
-impl CrissCross {
-    /// The counts fit 32 bits: checked by [`Grid`].
-    pub fn new(x: &Lines, y: &Lines, periodic: &[Axis]) -> CrissCross {
-        let (nx, ny) = (x.cells(), y.cells());
-        let corner = |i: u32, j: u32| j * (nx + 1) + i;
-        let corners = (nx + 1) * (ny + 1);
-        let centre = |i: u32, j: u32| corners + j * nx + i;
-        let count = (corners + nx * ny) as usize;
-        let mut mesh = CrissCross {
-            nodes: Vec::with_capacity(count),
-            triangles: Vec::with_capacity(4 * (nx * ny) as usize),
-            sides: Vec::with_capacity(count),
-            leader: Vec::with_capacity(count),
-        };
-        for j in 0..=ny {
-            for i in 0..=nx {
-                mesh.nodes.push([x.at[i as usize], y.at[j as usize], 0.0]);
-                let bit = |is_there: bool, side: u8| if is_there { side } else { 0 };
-                mesh.sides.push(
-                    bit(i == 0, LEFT)
-                        | bit(i == nx, RIGHT)
-                        | bit(j == 0, BOTTOM)
-                        | bit(j == ny, TOP),
-                );
-                let i0 = if i == nx && periodic.contains(&Axis::X) {
-                    0
-                } else {
-                    i
-                };
-                let j0 = if j == ny && periodic.contains(&Axis::Y) {
-                    0
-                } else {
-                    j
-                };
-                mesh.leader.push(corner(i0, j0));
-            }
-        }
-        for j in 0..ny {
-            for i in 0..nx {
-                let (x, y) = (x.middles[i as usize], y.middles[j as usize]);
-                mesh.nodes.push([x, y, 0.0]);
-                mesh.sides.push(0);
-                let c = centre(i, j);
-                mesh.leader.push(c);
-                let square = [
-                    corner(i, j),
-                    corner(i + 1, j),
-                    corner(i + 1, j + 1),
-                    corner(i, j + 1),
-                ];
-                for s in 0..4 {
-                    mesh.triangles.push([square[s], square[(s + 1) % 4], c]);
-                }
-            }
-        }
-        mesh
     }
 }
 
