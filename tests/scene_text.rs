@@ -12,8 +12,11 @@ fn scene(text: &str) -> Scene {
     Scene::from_json(text, "scene.json").unwrap_or_else(|error| panic!("{error}"))
 }
 
+/// What is said of a scene that is refused when it is read or, by its mesh, when it is compiled.
 fn message(text: &str) -> String {
     Scene::from_json(text, "scene.json")
+        .and_then(|scene| compile(&scene))
+        .map(drop)
         .unwrap_err()
         .to_string()
 }
@@ -202,9 +205,13 @@ fn numbers_are_shown_in_their_shortest_form() {
         (
             "[1.0, 0.0]",
             "[1e300, 0.0]",
-            "found 1e300; allowed: 0 to 1,",
+            "found [1e300, 0.0]; allowed: a point of the body",
         ),
-        ("[1.0, 0.5]", "[1e-300, 0.5]", "to 1e-300, inside the body"),
+        (
+            "[1.0, 0.5]",
+            "[1e-300, 0.5]",
+            "no normal at [3.125e-302, 0.0, 0.0]",
+        ),
         (
             "\"a\": 0.003",
             "\"a\": 1e-300",

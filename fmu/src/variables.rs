@@ -7,7 +7,7 @@
 use crate::parameters::{Kind, Parameters, choices};
 use std::ops::Range;
 use stickslip::Model;
-use stickslip::ports::{Causality, Quantity};
+use stickslip::ports::{self, Causality, Quantity};
 
 /// First value reference of array variables.
 pub const ARRAY_BASE: u32 = 1 << 24;
@@ -219,7 +219,7 @@ impl Variables {
         });
     }
 
-    /// The derivative of a displacement is the velocity beside it; that of the accumulated slip the magnitude of the slip rate.
+    /// Finds the variables that are derivatives of others by time.
     fn find_slopes(&mut self, model: &Model) {
         let ports = model.ports().all();
         let variable_of = |quantity: Quantity| {
@@ -227,16 +227,10 @@ impl Variables {
             port.map(|p| p.reference as usize + 1)
         };
         for port in ports {
-            let slope = match port.quantity {
-                Quantity::Slip => variable_of(Quantity::SlipRate).map(Slope::Variable),
-                Quantity::AccumulatedSlip => variable_of(Quantity::SlipRate).map(Slope::NormOf),
-                Quantity::LoadDisplacement(i) => {
-                    variable_of(Quantity::LoadVelocity(i)).map(Slope::Variable)
-                }
-                Quantity::ProbeDisplacement(i) => {
-                    variable_of(Quantity::ProbeVelocity(i)).map(Slope::Variable)
-                }
-                _ => None,
+            let slope = match port.quantity.slope() {
+                ports::Slope::Is(other) => variable_of(other).map(Slope::Variable),
+                ports::Slope::NormOf(other) => variable_of(other).map(Slope::NormOf),
+                ports::Slope::Unknown => None,
             };
             self.list[port.reference as usize + 1].slope = slope.unwrap_or(Slope::Unknown);
         }

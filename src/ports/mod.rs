@@ -1,7 +1,11 @@
 //! The ports: every variable a host can touch, declared once. C, FMU and CSV read this list.
 
+mod derivatives;
 mod list;
 pub(crate) mod readout;
+
+pub use derivatives::Slope;
+pub(crate) use derivatives::Tangent;
 
 use crate::contact::law::ChosenLaw;
 use crate::error::{Error, Result};

@@ -21,7 +21,7 @@ use crate::error::{Error, Result};
 use crate::linalg::dot;
 use crate::linalg::multiply;
 use crate::model::Model;
-use crate::ports::Quantity;
+use crate::ports::Tangent as PortTangent;
 use crate::ports::readout;
 use crate::scene::Start;
 use crate::simulator::Simulator;
@@ -133,18 +133,10 @@ impl Simulator {
         for port in self.model().ports().outputs() {
             let (head, tail) = rest.split_at_mut(port.len());
             rest = tail;
-            match port.quantity {
-                Quantity::Stick
-                | Quantity::StickFraction
-                | Quantity::Iterations
-                | Quantity::Residual
-                | Quantity::Solutions
-                | Quantity::SolutionGap
-                | Quantity::LostDigits
-                | Quantity::ErrorEstimate => head.fill(0.0),
-                Quantity::MaxSlipRate => head[0] = self.tangent_of_largest_rate(tangent),
-                // linear in the state
-                _ => readout::read(self.model(), tangent, port, head),
+            match port.quantity.tangent() {
+                PortTangent::Linear => readout::read(self.model(), tangent, port, head),
+                PortTangent::Zero => head.fill(0.0),
+                PortTangent::LargestRate => head[0] = self.tangent_of_largest_rate(tangent),
             }
         }
     }

@@ -2,8 +2,9 @@
 //! budget and the memory.
 
 use stickslip::Scene;
-use stickslip::scene::{ModelKind, Scheme};
+use stickslip::scene::ModelKind;
 use stickslip::simulator::course::Points;
+use stickslip::time::scheme::Tableau;
 
 /// Responses per contact component that a reduction puts together.
 const RESPONSES: f64 = 8.0;
@@ -109,10 +110,7 @@ impl Speed {
 
 /// Stages of a run.
 fn steps(scene: &Scene) -> f64 {
-    let stages = match scene.time.scheme {
-        Scheme::TrBdf2 => 2.0,
-        _ => 1.0,
-    };
+    let stages = Tableau::of(scene.time.scheme).stages().len() as f64;
     let points = Points::of(scene);
     stages * points.count as f64 * (points.step / scene.time.step).max(1.0)
 }
