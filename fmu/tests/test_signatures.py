@@ -119,11 +119,11 @@ def test_signatures_are_those_of_the_standard(version):
 
 
 def test_enumeration_values_are_those_of_the_standard(pack):
-    guard = (SOURCES / "guard.rs").read_text()
-    status = {n: int(v) for n, v in re.findall(r"pub const (OK|DISCARD|ERROR): i32 = (\d+);", guard)}
+    fault = (SOURCES / "fault.rs").read_text()
+    status = {n: int(v) for n, v in re.findall(r"pub const (OK|WARNING|DISCARD|ERROR): i32 = (\d+);", fault)}
     for version in ("2", "3"):
         values = Header(version).values
-        expected = {n.upper(): values[f"fmi{version}{n}"] for n in ("OK", "Discard", "Error") if n != "OK"}
+        expected = {n.upper(): values[f"fmi{version}{n}"] for n in ("Warning", "Discard", "Error")}
         assert status == {"OK": values[f"fmi{version}OK"], **expected}
     assert raw.OK == status["OK"]
     kinds = Header("2").values
