@@ -10,6 +10,7 @@ use crate::contact::solve::fixed_point::FixedPoint;
 use crate::error::Result;
 use crate::fem::ContactPatch;
 use crate::ports::{Ports, Shapes};
+use crate::refusal::scene_error;
 use crate::scene::{FixedPointStop, FrictionSolver, LoadKind, ModelKind, Run, Scene};
 use crate::state::State;
 use crate::time::scheme::Tableau;
@@ -45,6 +46,13 @@ impl Model {
     /// [`crate::Error::Scene`] for coefficients that do not fit the contact nodes.
     pub(super) fn new(scene: &Scene, parts: Parts) -> Result<Model> {
         let friction = scene.friction_on(parts.contact.node_count())?;
+        if friction.needs_pressure() {
+            return Err(scene_error(
+                "contact.friction.law",
+                "a bound that depends on the pressure".into(),
+                "a bound in Pa: bound, exponential, frictionless, tresca".into(),
+            ));
+        }
         let mut model = Model {
             summary: summary(scene, &parts),
             ports: ports(scene, &parts, &friction),

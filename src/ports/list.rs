@@ -246,11 +246,11 @@ impl Ports {
 
     fn add_coefficients(&mut self, shapes: &Shapes) {
         let (law, places) = (shapes.friction.law(), shapes.friction.places());
-        for (i, (declared, place)) in law.coefficients().iter().zip(places).enumerate() {
+        for (i, place) in places.iter().enumerate().filter(|(_, place)| place.len > 0) {
             let shape: &[usize] = if place.is_array { &[place.len] } else { &[] };
             self.add(
                 law.path(i),
-                declared.unit,
+                law.unit(i),
                 Causality::Parameter,
                 shape,
                 Quantity::Coefficient(i),

@@ -34,7 +34,7 @@ fn choose(scene: &Scene, nodes: Option<usize>) -> std::result::Result<ChosenLaw,
     let law = friction.law;
     ChosenLaw::new(law, &friction.coefficients, nodes).map_err(|misfit: Misfit| {
         let path = law.path(misfit.coefficient);
-        let path = match (misfit.wrong, law.coefficients()[misfit.coefficient].extent) {
+        let path = match (misfit.wrong, law.coefficient(misfit.coefficient).extent) {
             (Wrong::Number, _) | (Wrong::Count, Extent::Points) => path,
             (Wrong::Count, Extent::Nodes) => format!("{path}.nodes"),
             (Wrong::Entry(point), Extent::Points) => format!("{path}[{point}]"),

@@ -68,8 +68,7 @@ impl Structure {
             return self.walk_enum(value, variants, path);
         }
         if let Some(variants) = branches(schema, "anyOf") {
-            let variant = variants.iter().find(|v| has_type(value, self.resolve(v)));
-            return match variant {
+            return match self.alternative(value, variants) {
                 Some(variant) => self.walk(value, variant, path),
                 None => Err(self.refuse(value, place, path)),
             };
@@ -87,6 +86,21 @@ impl Structure {
                 None => Ok(()),
             },
             _ => Ok(()),
+        }
+    }
+
+    /// The alternative that a value is meant to be: of several kinds of objects the one whose first key it has.
+    fn alternative<'a>(&self, value: &Value, variants: &'a [Value]) -> Option<&'a Value> {
+        let of_type = || {
+            let all = variants.iter();
+            all.filter(|v| has_type(value, self.resolve(v)))
+        };
+        match value {
+            Value::Object(object) if of_type().count() > 1 => of_type().find(|v| {
+                let key = first_key(self.resolve(v));
+                key.is_some_and(|key| object.contains_key(key))
+            }),
+            _ => of_type().next(),
         }
     }
 
@@ -325,6 +339,14 @@ fn tag_of(variant: &Value) -> Option<&str> {
         .iter()
         .find(|(_, member)| member.get("const").is_some());
     tag.map(|(key, _)| key.as_str())
+}
+
+/// The key by which objects of a schema are known: the tag of an enum, or the first key that is required.
+fn first_key(schema: &Value) -> Option<&str> {
+    match branches(schema, "oneOf") {
+        Some(variants) => variants.first().and_then(tag_of),
+        None => schema.get("required")?.get(0)?.as_str(),
+    }
 }
 
 fn name_of<'a>(variant: &'a Value, tag: Option<&str>) -> Option<&'a Value> {

@@ -62,7 +62,7 @@ fn types_and_names() {
             (r#""model": "reduced""#, r#""solver": {"kind": "newton", "stop": 1}"#, "fidelity.solver.stop", "unknown", "max"),
             (r#""rectangle""#, r#""disk""#, "mesh.kind", "\"disk\"", r#""rectangle", "box""#),
             (r#""rectangle""#, "3", "mesh.kind", "3", r#""rectangle", "box""#),
-            (r#""exponential""#, r#""coulomb""#, "contact.friction.law", "\"coulomb\"", r#""tresca""#),
+            (r#""exponential""#, r#""coulom""#, "contact.friction.law", "\"coulom\"", r#""tresca""#),
             (r#""kazmi2014"}"#, r#""plane"}"#, "material.elasticity.convention", "\"plane\"", r#""plane_strain""#),
             (r#""trapezoid""#, r#""simpson""#, "time.scheme", "\"simpson\"", r#""tr_bdf2""#),
             (r#""consistent""#, r#""rest""#, "time.start", "\"rest\"", r#""consistent", "zero""#),

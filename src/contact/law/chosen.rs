@@ -1,6 +1,7 @@
 //! A law with numbers: the layout of its coefficients, and the bounds that they give at the contact nodes.
 
-use super::{At, Coefficients, Given, Law, Misfit, Place, Wrong};
+use super::coulomb::Coulomb;
+use super::{At, Coefficients, FrictionLaw, Given, Law, Misfit, Place, PressedLaw, Role, Wrong};
 use crate::contact::bounds::Bounds;
 use crate::contact::evaluation::{Evaluation, NodalLaw, Nodes, SlipPath};
 use crate::error::Result;
@@ -44,7 +45,7 @@ impl ChosenLaw {
             start.extend_from_slice(given.values());
         }
         let chosen = ChosenLaw { law, places, start };
-        law.check(chosen.with(&chosen.start).coefficients)?;
+        law.kind().check(chosen.coefficients(&chosen.start))?;
         Ok(chosen)
     }
 
@@ -63,13 +64,38 @@ impl ChosenLaw {
         &self.start
     }
 
+    #[inline]
+    fn coefficients<'a>(&'a self, values: &'a [f64]) -> Coefficients<'a> {
+        Coefficients::new(self.law.kind().coefficients(), &self.places, values)
+    }
+
+    /// Whether the bounds depend on the normal forces: then [`ChosenLaw::pressed`] has them, and [`ChosenLaw::with`] only what
+    /// the law says of its coefficient of friction.
+    pub fn needs_pressure(&self) -> bool {
+        matches!(self.law.role(), Role::Coulomb { .. })
+    }
+
     /// The bounds that other numbers give, all of them in the order of [`ChosenLaw::places`].
     #[inline]
     pub fn with<'a>(&'a self, values: &'a [f64]) -> LawBounds<'a> {
         LawBounds {
-            law: self.law,
-            coefficients: Coefficients::new(self.law.coefficients(), &self.places, values),
+            law: self.law.kind(),
+            coefficients: self.coefficients(values),
         }
+    }
+
+    /// The bounds as nodal forces that may depend on the normal forces, with numbers as in [`ChosenLaw::with`] and nodal contact
+    /// weights, m^2 (m in 2D).
+    pub fn pressed<'a>(&'a self, values: &'a [f64], weights: &'a [f64]) -> PressedLaw<'a> {
+        let (kind, coefficients) = (self.law.kind(), self.coefficients(values));
+        let coulomb = match self.law.role() {
+            Role::Own | Role::Bound => None,
+            Role::Coulomb { tension } => {
+                let first = kind.coefficients().len();
+                Some(Coulomb::new(tension, coefficients, first))
+            }
+        };
+        PressedLaw::new(kind, coefficients, coulomb, weights)
     }
 
     /// The bounds of the scene.
@@ -83,7 +109,7 @@ impl ChosenLaw {
     /// [`crate::Error::Value`].
     pub fn check(&self, values: &[f64]) -> Result<()> {
         self.check_values(values)?;
-        let misfit = self.law.check(self.with(values).coefficients);
+        let misfit = self.law.kind().check(self.coefficients(values));
         misfit.map_err(|misfit| self.law.refusal(misfit))
     }
 
@@ -104,7 +130,7 @@ impl ChosenLaw {
 /// The bounds of a law with given coefficients.
 #[derive(Debug, Clone, Copy)]
 pub struct LawBounds<'a> {
-    law: Law,
+    law: &'static dyn FrictionLaw,
     coefficients: Coefficients<'a>,
 }
 

@@ -1,5 +1,6 @@
 //! Coefficients of friction laws: how a law declares them, and their values as fields over the contact nodes.
 
+use super::Role;
 use crate::message::number;
 
 /// Values that a coefficient may have.
@@ -18,6 +19,11 @@ impl Range {
         least: 0.0,
         is_open: false,
         allowed: "a finite number >= 0",
+    };
+    pub const POSITIVE: Range = Range {
+        least: 0.0,
+        is_open: true,
+        allowed: "a finite number > 0",
     };
 
     /// Whether a number is in the range.
@@ -40,19 +46,62 @@ pub enum Extent {
     Points,
 }
 
+/// Unit of a coefficient.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Unit {
+    /// SI unit, whatever the law is used for; `1` for a number.
+    Own(&'static str),
+    /// One unit in a bound of the stress, another in a coefficient of friction.
+    OfUse {
+        bound: &'static str,
+        coefficient: &'static str,
+    },
+}
+
+impl Unit {
+    /// Unit of the law's value itself.
+    pub const VALUE: Unit = Unit::OfUse {
+        bound: "Pa",
+        coefficient: "1",
+    };
+    /// Unit of the value over a slip rate.
+    pub const VALUE_PER_RATE: Unit = Unit::OfUse {
+        bound: "Pa.s/m",
+        coefficient: "s/m",
+    };
+
+    /// The unit in this role.
+    pub fn in_role(self, role: Role) -> &'static str {
+        match (self, role) {
+            (Unit::Own(unit), _) => unit,
+            (Unit::OfUse { coefficient, .. }, Role::Coulomb { .. }) => coefficient,
+            (Unit::OfUse { bound, .. }, Role::Own | Role::Bound) => bound,
+        }
+    }
+}
+
+/// What it means that a scene leaves a coefficient out.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Omitted {
+    /// A mistake.
+    Refused,
+    /// This number.
+    Means(f64),
+    /// The law without it, which has no such port.
+    Without,
+}
+
 /// A coefficient as its law declares it; the schema of scenes, validation, ports and FMU variables follow.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coefficient {
     /// Key in scenes, last part of the name of the port.
     pub name: &'static str,
-    /// SI unit; `1` for a number.
-    pub unit: &'static str,
+    pub unit: Unit,
     /// What every value must be, whatever the other coefficients are.
     pub range: Range,
     pub extent: Extent,
-    /// Value where a scene leaves it out; `None`: it must be given.
-    pub default: Option<f64>,
-    /// Meaning, unit and default, one sentence.
+    pub omitted: Omitted,
+    /// Meaning, unit and default, one sentence; `{}` stands for the unit.
     pub text: &'static str,
 }
 
@@ -60,7 +109,7 @@ impl Coefficient {
     /// A coefficient that must be given, one for all nodes or one per node.
     pub const fn new(
         name: &'static str,
-        unit: &'static str,
+        unit: Unit,
         range: Range,
         text: &'static str,
     ) -> Coefficient {
@@ -69,7 +118,7 @@ impl Coefficient {
             unit,
             range,
             extent: Extent::Nodes,
-            default: None,
+            omitted: Omitted::Refused,
             text,
         }
     }
@@ -84,6 +133,8 @@ pub enum Given {
     Nodes(Vec<f64>),
     /// The points of a curve.
     Points(Vec<f64>),
+    /// Nothing: the law without it ([`Omitted::Without`]).
+    Absent,
 }
 
 impl Given {
@@ -92,11 +143,12 @@ impl Given {
         match self {
             Given::Number(value) => std::slice::from_ref(value),
             Given::Nodes(values) | Given::Points(values) => values,
+            Given::Absent => &[],
         }
     }
 }
 
-/// Where the numbers of a coefficient stand in the list of all of them.
+/// Where the numbers of a coefficient stand in the list of all of them; `len` is 0 where the law is without it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Place {
     pub first: usize,
@@ -109,7 +161,7 @@ pub struct Place {
 
 impl Place {
     pub fn new(first: usize, given: &Given) -> Place {
-        let is_array = !matches!(given, Given::Number(_));
+        let is_array = matches!(given, Given::Nodes(_) | Given::Points(_));
         Place {
             first,
             len: given.values().len(),
@@ -139,7 +191,7 @@ impl Field<'_> {
     }
 }
 
-/// All coefficients of a law.
+/// All coefficients of a law. Beyond those that the law declares stand those of its role.
 #[derive(Debug, Clone, Copy)]
 pub struct Coefficients<'a> {
     declared: &'static [Coefficient],

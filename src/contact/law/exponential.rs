@@ -1,43 +1,52 @@
 //! A bound that decays with the slip rate: `g(r) = (a - b) exp(-alpha r) + b`, `a >= b` (7.14).
 //!
-//! Scenes write it as the paper does, or as a kind of a bound with other names of the same coefficients.
+//! Scenes write it as the paper does, or as a kind of a bound or of a coefficient with other names of the same numbers.
 
-use super::{At, Coefficient, Coefficients, Form, FrictionLaw, Misfit, Range};
+use super::{At, Coefficient, Coefficients, FrictionLaw, Misfit, Range, Unit};
 use crate::contact::evaluation::{Evaluation, NodalLaw, Nodes};
 use crate::linalg::exp_m1_and_exp;
 
 pub struct Exponential {
     name: &'static str,
-    form: Form,
     text: &'static str,
-    declared: [Coefficient; 3],
+    declared: &'static [Coefficient; 3],
     rule: &'static str,
 }
 
-const fn not_negative(name: &'static str, unit: &'static str, text: &'static str) -> Coefficient {
+const fn not_negative(name: &'static str, unit: Unit, text: &'static str) -> Coefficient {
     Coefficient::new(name, unit, Range::NOT_NEGATIVE, text)
 }
 
 pub static OF_THE_PAPER: Exponential = Exponential {
     name: "exponential",
-    form: Form::Law,
     text: "`g(r) = (a - b) exp(-alpha r) + b`.",
-    declared: [
-        not_negative("a", "Pa", "Static bound, Pa; `a >= b`."),
-        not_negative("b", "Pa", "Kinetic bound, Pa; not negative."),
-        not_negative("alpha", "s/m", "Decay, s/m; not negative."),
+    declared: &[
+        not_negative("a", Unit::VALUE, "Static bound, Pa; `a >= b`."),
+        not_negative("b", Unit::VALUE, "Kinetic bound, Pa; not negative."),
+        not_negative("alpha", Unit::Own("s/m"), "Decay, s/m; not negative."),
     ],
     rule: "a >= b",
 };
 
 pub static KIND: Exponential = Exponential {
     name: "exponential",
-    form: Form::Kind,
-    text: "`g(r) = (static - kinetic) exp(-decay r) + kinetic`.",
-    declared: [
-        not_negative("static", "Pa", "Bound at rest, Pa; `static >= kinetic`."),
-        not_negative("kinetic", "Pa", "Bound of fast slip, Pa; not negative."),
-        not_negative("decay", "s/m", "Decay, s/m; not negative."),
+    text: "`(static - kinetic) exp(-decay r) + kinetic`.",
+    declared: &[
+        not_negative(
+            "static",
+            Unit::VALUE,
+            "Value at rest, {}; `static >= kinetic`.",
+        ),
+        not_negative(
+            "kinetic",
+            Unit::VALUE,
+            "Value at fast slip, {}; not negative.",
+        ),
+        not_negative(
+            "decay",
+            Unit::Own("s/m"),
+            "Decay with the slip rate, s/m; not negative.",
+        ),
     ],
     rule: "static >= kinetic",
 };
@@ -51,19 +60,12 @@ impl FrictionLaw for Exponential {
         self.name
     }
 
-    fn form(&self) -> Form {
-        self.form
-    }
-
     fn text(&self) -> &'static str {
         self.text
     }
 
     fn coefficients(&self) -> &'static [Coefficient] {
-        match self.form {
-            Form::Law => &OF_THE_PAPER.declared,
-            Form::Kind => &KIND.declared,
-        }
+        self.declared
     }
 
     fn check(&self, coefficients: Coefficients) -> Result<(), Misfit> {

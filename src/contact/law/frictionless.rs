@@ -1,6 +1,6 @@
 //! No tangential stress: `g = 0`.
 
-use super::{At, Coefficient, Coefficients, Form, FrictionLaw};
+use super::{At, Coefficient, Coefficients, FrictionLaw};
 use crate::contact::evaluation::Evaluation;
 
 pub struct Frictionless;
@@ -8,10 +8,6 @@ pub struct Frictionless;
 impl FrictionLaw for Frictionless {
     fn name(&self) -> &'static str {
         "frictionless"
-    }
-
-    fn form(&self) -> Form {
-        Form::Law
     }
 
     fn text(&self) -> &'static str {

@@ -1,8 +1,10 @@
-//! Friction laws: the bound of the tangential stress as a function of slip rate and accumulated slip.
+//! Friction laws: the bound of the tangential stress, or the coefficient of friction, as a function of slip rate and accumulated
+//! slip.
 //!
-//! A law is one file of this folder and one line of [`LAWS`]. It declares its coefficients; the schema of scenes, their
-//! validation, the ports and the variables of an FMU follow from the declaration. Coefficients are fields over the contact
-//! nodes, a number being the constant field.
+//! A law is one file of this folder and one line of [`LAWS`] or [`KINDS`]. It declares its coefficients; the schema of scenes,
+//! their validation, the ports and the variables of an FMU follow from the declaration. Coefficients are fields over the contact
+//! nodes, a number being the constant field. A kind serves two uses ([`Role`]): as a bound g in Pa, and as the coefficient mu of
+//! Coulomb's law, which multiplies the pressure; its units follow.
 //!
 //! With `r >= 0` the slip rate of a node and `s` its accumulated slip, a law says
 //!
@@ -13,51 +15,46 @@
 //! L = sup_r max(0, -dg/dr)    how fast it weakens (one-sided Lipschitz constant): a stage has one solution where L is below
 //!                      the smallest eigenvalue of the body's resistance; a bound that rises only helps
 //! ```
+//!
+//! and in Coulomb's law the same of mu, with the bound `g = min(cap, cohesion + mu(r, s) P)`, P the pressure (`coulomb`).
 
 mod chosen;
 mod coefficients;
+mod coulomb;
 mod exponential;
 mod frictionless;
+mod named;
+mod pressed;
 mod stribeck;
 mod table;
 mod tresca;
 
 pub use chosen::{ChosenLaw, LawBounds};
 pub use coefficients::{
-    Coefficient, Coefficients, Extent, Field, Given, Misfit, Place, Range, Wrong,
+    Coefficient, Coefficients, Extent, Field, Given, Misfit, Omitted, Place, Range, Unit, Wrong,
 };
+pub use named::{Law, Role};
+pub use pressed::PressedLaw;
 
 use super::evaluation::{Evaluation, NodalLaw, Nodes, SlipPath};
-use crate::error::{Error, Result};
 use std::fmt;
 
-/// All laws that a scene can name.
-pub const LAWS: &[Law] = &[
-    Law(&frictionless::Frictionless),
-    Law(&tresca::Tresca),
-    Law(&exponential::OF_THE_PAPER),
-    Law(&exponential::KIND),
-    Law(&stribeck::Stribeck),
-    Law(&table::Table),
+/// Laws with keys of their own in scenes: `{"law": name, coefficients}`.
+pub const LAWS: &[&dyn FrictionLaw] = &[
+    &frictionless::Frictionless,
+    &tresca::Tresca,
+    &exponential::OF_THE_PAPER,
 ];
 
-/// What a law with one number may also be written as in a scene: `{"law": "bound", "bound": 8e4}`.
-pub const CONSTANT: Law = Law(&tresca::Tresca);
+/// Kinds of a bound, `{"law": "bound", "bound": {"kind": name, coefficients}}`, and of the coefficient of Coulomb's law,
+/// `{"law": "coulomb", "coefficient": {"kind": name, coefficients}}`.
+pub const KINDS: &[&dyn FrictionLaw] = &[&exponential::KIND, &stribeck::Stribeck, &table::Table];
+
+/// What a number in the place of a kind is.
+pub const CONSTANT: &dyn FrictionLaw = &tresca::Tresca;
 
 /// Where the coefficients stand in a scene.
 pub const PATH: &str = "contact.friction";
-
-/// The word and the key of laws that are kinds of a bound.
-pub const BOUND: &str = "bound";
-
-/// How a scene writes a law.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Form {
-    /// `{"law": name, coefficients}`.
-    Law,
-    /// `{"law": "bound", "bound": {"kind": name, coefficients}}`.
-    Kind,
-}
 
 /// One node at which a law is evaluated.
 #[derive(Debug, Clone, Copy)]
@@ -78,6 +75,21 @@ impl At<'_> {
     }
 }
 
+/// What a law says at one node where its potential is not asked for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Value {
+    /// The bound, Pa, or the coefficient of friction.
+    pub value: f64,
+    /// Its slope along the stage.
+    pub by_rate: f64,
+}
+
+impl Value {
+    pub fn new(value: f64, by_rate: f64) -> Value {
+        Value { value, by_rate }
+    }
+}
+
 /// A friction law. Coefficients are named by their place in the declaration; they satisfy their ranges and [`check`]
 /// wherever a law is evaluated.
 ///
@@ -85,11 +97,6 @@ impl At<'_> {
 pub trait FrictionLaw: Sync {
     /// Name in scenes.
     fn name(&self) -> &'static str;
-
-    /// How a scene writes it.
-    fn form(&self) -> Form {
-        Form::Kind
-    }
 
     /// Formula, for the schema of scenes.
     fn text(&self) -> &'static str;
@@ -106,6 +113,12 @@ pub trait FrictionLaw: Sync {
 
     /// Bound, slope along the stage and potential at one node.
     fn evaluate(&self, at: &At) -> Evaluation;
+
+    /// Bound and slope of [`FrictionLaw::evaluate`], with less work where a law has a costly potential.
+    fn value(&self, at: &At) -> Value {
+        let all = self.evaluate(at);
+        Value::new(all.bound, all.slope)
+    }
 
     /// Bound at rest, Pa: that of [`FrictionLaw::evaluate`] at the slip rate 0, with less work where a law knows it.
     fn at_rest(&self, at: &At) -> f64 {
@@ -156,81 +169,8 @@ pub trait FrictionLaw: Sync {
     }
 }
 
-/// One of [`LAWS`].
-#[derive(Clone, Copy)]
-pub struct Law(&'static dyn FrictionLaw);
-
-impl std::ops::Deref for Law {
-    type Target = dyn FrictionLaw;
-
-    fn deref(&self) -> &(dyn FrictionLaw + 'static) {
-        self.0
-    }
-}
-
-impl PartialEq for Law {
-    fn eq(&self, other: &Law) -> bool {
-        (self.name(), self.form()) == (other.name(), other.form())
-    }
-}
-
-impl fmt::Debug for Law {
+impl fmt::Debug for dyn FrictionLaw {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
-    }
-}
-
-impl Law {
-    /// The law that scenes write with this name in this form.
-    pub fn find(form: Form, name: &str) -> Option<Law> {
-        let mut laws = LAWS.iter().copied();
-        laws.find(|law| law.form() == form && law.name() == name)
-    }
-
-    /// Where a scene has a coefficient, which is also the name of its port.
-    pub fn path(&self, coefficient: usize) -> String {
-        let name = self.coefficients()[coefficient].name;
-        match self.form() {
-            Form::Law => format!("{PATH}.{name}"),
-            Form::Kind => format!("{PATH}.{BOUND}.{name}"),
-        }
-    }
-
-    /// Refuses a value that the coefficient cannot have, whatever the other ones are.
-    ///
-    /// # Errors
-    /// [`Error::Value`] when it is not finite or out of its range.
-    pub fn check_value(&self, coefficient: usize, value: f64) -> Result<()> {
-        let range = self.coefficients()[coefficient].range;
-        if range.contains(value) {
-            return Ok(());
-        }
-        Err(Error::Value {
-            what: self.path(coefficient),
-            found: value,
-            allowed: range.allowed,
-        })
-    }
-
-    /// What a simulator says of coefficients that do not fit each other.
-    pub fn refusal(&self, misfit: Misfit) -> Error {
-        let extent = self.coefficients()[misfit.coefficient].extent;
-        let place = match (misfit.wrong, extent) {
-            (Wrong::Number, _) => String::new(),
-            (Wrong::Count, _) => ", its numbers".to_owned(),
-            (Wrong::Entry(node), Extent::Nodes) => format!(" at contact node {node}"),
-            (Wrong::Entry(point), Extent::Points) => format!(" at point {point}"),
-        };
-        let beside =
-            |(other, value): (usize, f64)| format!(", where {} is {value:?}", self.path(other));
-        Error::Value {
-            what: format!(
-                "{}{place}{}",
-                self.path(misfit.coefficient),
-                misfit.beside.map(beside).unwrap_or_default()
-            ),
-            found: misfit.found,
-            allowed: misfit.rule,
-        }
     }
 }

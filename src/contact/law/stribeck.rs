@@ -18,7 +18,7 @@
 //! terms; a quadrature would lose digits at rest, where `t^exponent` is not smooth. `J(infinity)` is the sum of both where
 //! they meet, so no step remains there. The exponent 1 is an exponential law and costs as little.
 
-use super::{At, Coefficient, Coefficients, FrictionLaw, Range};
+use super::{At, Coefficient, Coefficients, FrictionLaw, Omitted, Range, Unit, Value};
 use crate::contact::evaluation::{Evaluation, NodalLaw, Nodes};
 use crate::linalg::exp_m1_and_exp;
 
@@ -30,11 +30,6 @@ const VELOCITY: usize = 2;
 const EXPONENT: usize = 3;
 const VISCOUS: usize = 4;
 
-const POSITIVE: Range = Range {
-    least: 0.0,
-    is_open: true,
-    allowed: "a finite number > 0",
-};
 const AT_LEAST_ONE: Range = Range {
     least: 1.0,
     is_open: false,
@@ -42,34 +37,34 @@ const AT_LEAST_ONE: Range = Range {
 };
 
 const fn bound(name: &'static str, text: &'static str) -> Coefficient {
-    Coefficient::new(name, "Pa", Range::NOT_NEGATIVE, text)
+    Coefficient::new(name, Unit::VALUE, Range::NOT_NEGATIVE, text)
 }
 
 const DECLARED: [Coefficient; 5] = [
-    bound("static", "Bound at rest, Pa; not negative."),
+    bound("static", "Value at rest, {}; not negative."),
     bound(
         "kinetic",
-        "Bound of fast slip without its viscous part, Pa; not negative.",
+        "Value at fast slip without its viscous part, {}; not negative.",
     ),
     Coefficient::new(
         "velocity",
-        "m/s",
-        POSITIVE,
-        "Slip rate at which the bound has fallen to 1/e of the way, m/s; positive.",
+        Unit::Own("m/s"),
+        Range::POSITIVE,
+        "Slip rate at which the value has fallen to 1/e of the way, m/s; positive.",
     ),
     Coefficient::new(
         "exponent",
-        "1",
+        Unit::Own("1"),
         AT_LEAST_ONE,
         "Exponent of the slip rate; at least 1.",
     ),
     Coefficient {
-        default: Some(0.0),
+        omitted: Omitted::Means(0.0),
         ..Coefficient::new(
             "viscous",
-            "Pa.s/m",
+            Unit::VALUE_PER_RATE,
             Range::NOT_NEGATIVE,
-            "Rise of the bound with the slip rate, Pa s/m; not negative, default 0.",
+            "Rise of the value with the slip rate, {}; not negative, default 0.",
         )
     },
 ];
@@ -80,7 +75,7 @@ impl FrictionLaw for Stribeck {
     }
 
     fn text(&self) -> &'static str {
-        "`g(r) = kinetic + (static - kinetic) exp(-(r / velocity)^exponent) + viscous r`."
+        "`kinetic + (static - kinetic) exp(-(r / velocity)^exponent) + viscous r`."
     }
 
     fn coefficients(&self) -> &'static [Coefficient] {
@@ -89,7 +84,15 @@ impl FrictionLaw for Stribeck {
 
     fn evaluate(&self, at: &At) -> Evaluation {
         let curve = Curve::new(at.coefficient(EXPONENT));
-        Node::at(&at.coefficients, at.node).evaluate(&curve, at.rate)
+        Node::at(&at.coefficients, at.node).on_curve(&curve, at.rate)
+    }
+
+    /// Without the integral J.
+    fn value(&self, at: &At) -> Value {
+        let exponent = at.coefficient(EXPONENT);
+        let own = Node::at(&at.coefficients, at.node);
+        let all = own.evaluate(exponent, at.rate, |_, _, _| 0.0);
+        Value::new(all.bound, all.slope)
     }
 
     fn at_rest(&self, at: &At) -> f64 {
@@ -119,7 +122,7 @@ impl FrictionLaw for Stribeck {
         let is_one_number = coefficients.values(EXPONENT).len() == 1;
         if !is_one_number {
             return out.fill(nodes, |node, rate, _| {
-                Node::at(&coefficients, node).evaluate(&Curve::new(exponent.at(node)), rate)
+                Node::at(&coefficients, node).on_curve(&Curve::new(exponent.at(node)), rate)
             });
         }
         let curve = Curve::new(exponent.at(0));
@@ -144,7 +147,7 @@ impl FrictionLaw for Stribeck {
             );
         }
         out.fill(nodes, |node, rate, _| {
-            Node::at(&coefficients, node).evaluate(&curve, rate)
+            Node::at(&coefficients, node).on_curve(&curve, rate)
         });
     }
 }
@@ -173,18 +176,29 @@ impl Node {
         self.at_rest - self.kinetic
     }
 
-    fn evaluate(&self, curve: &Curve, rate: f64) -> Evaluation {
-        if curve.exponent == 1.0 {
+    fn on_curve(&self, curve: &Curve, rate: f64) -> Evaluation {
+        self.evaluate(curve.exponent, rate, |x, z, left| {
+            curve.integral(x, z, left)
+        })
+    }
+
+    fn evaluate(
+        &self,
+        exponent: f64,
+        rate: f64,
+        integral: impl FnOnce(f64, f64, f64) -> f64,
+    ) -> Evaluation {
+        if exponent == 1.0 {
             return self.exponential(rate);
         }
         let x = rate / self.velocity;
-        let y = x.powf(curve.exponent - 1.0);
+        let y = x.powf(exponent - 1.0);
         let z = x * y;
         let [decay, left] = exp_m1_and_exp(-z);
         // where nothing is left, y may be infinite
         let steepness = if left > 0.0 { y * left } else { 0.0 };
-        self.sum(rate, [decay, left], curve.exponent * steepness, || {
-            curve.integral(x, z, left)
+        self.sum(rate, [decay, left], exponent * steepness, || {
+            integral(x, z, left)
         })
     }
 

@@ -6,7 +6,9 @@
 //!
 //! The potential is summed up from rest, exactly: an evaluation takes the longer the more points are below the slip rate.
 
-use super::{At, Coefficient, Coefficients, Extent, FrictionLaw, Misfit, Range, Wrong};
+use super::{
+    At, Coefficient, Coefficients, Extent, FrictionLaw, Misfit, Omitted, Range, Unit, Wrong,
+};
 use crate::contact::evaluation::{Evaluation, NodalLaw, Nodes};
 use crate::message::number;
 
@@ -16,7 +18,7 @@ const RATE: usize = 0;
 const VALUE: usize = 1;
 const SCALE: usize = 2;
 
-const fn points(name: &'static str, unit: &'static str, text: &'static str) -> Coefficient {
+const fn points(name: &'static str, unit: Unit, text: &'static str) -> Coefficient {
     Coefficient {
         extent: Extent::Points,
         ..Coefficient::new(name, unit, Range::NOT_NEGATIVE, text)
@@ -26,19 +28,19 @@ const fn points(name: &'static str, unit: &'static str, text: &'static str) -> C
 const DECLARED: [Coefficient; 3] = [
     points(
         "rate",
-        "m/s",
+        Unit::Own("m/s"),
         "Slip rates of the points, m/s; increasing, not negative.",
     ),
     points(
         "value",
-        "Pa",
-        "Bounds at the points, Pa; not negative, as many as rates.",
+        Unit::VALUE,
+        "Values at the points, {}; not negative, as many as rates.",
     ),
     Coefficient {
-        default: Some(1.0),
+        omitted: Omitted::Means(1.0),
         ..Coefficient::new(
             "scale",
-            "1",
+            Unit::Own("1"),
             Range::NOT_NEGATIVE,
             "Factor of the values; not negative, default 1.",
         )

@@ -1,6 +1,6 @@
-//! A bound that does not depend on the slip rate: `g = bound`.
+//! A bound that does not depend on the slip rate: `g = bound`. A coefficient of friction that is a number is this law too.
 
-use super::{At, Coefficient, Coefficients, Form, FrictionLaw, Range};
+use super::{At, Coefficient, Coefficients, FrictionLaw, Range, Unit};
 use crate::contact::evaluation::{Evaluation, NodalLaw, Nodes};
 
 pub struct Tresca;
@@ -12,10 +12,6 @@ impl FrictionLaw for Tresca {
         "tresca"
     }
 
-    fn form(&self) -> Form {
-        Form::Law
-    }
-
     fn text(&self) -> &'static str {
         "Constant bound `g = bound`."
     }
@@ -23,9 +19,9 @@ impl FrictionLaw for Tresca {
     fn coefficients(&self) -> &'static [Coefficient] {
         const LIST: [Coefficient; 1] = [Coefficient::new(
             "bound",
-            "Pa",
+            Unit::VALUE,
             Range::NOT_NEGATIVE,
-            "Bound, Pa; not negative.",
+            "Value, {}; not negative.",
         )];
         &LIST
     }

@@ -1,8 +1,10 @@
 //! The friction of a scene: one of the laws, with the coefficients that it declares.
 //!
-//! Schema, reading and writing follow from [`crate::contact::law::LAWS`]; nothing here knows a law by name.
+//! Schema, reading and writing follow from [`LAWS`] and [`KINDS`]; nothing here knows a law by name.
 
-use crate::contact::law::{BOUND, CONSTANT, Coefficient, Extent, Form, Given, LAWS, Law};
+use crate::contact::law::{
+    Coefficient, Extent, FrictionLaw, Given, KINDS, LAWS, Law, Omitted, Role,
+};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::Error as _;
 use serde::ser::SerializeMap;
@@ -12,6 +14,9 @@ use std::borrow::Cow;
 
 /// Key of a coefficient that is given node by node.
 const NODES: &str = "nodes";
+
+/// Key of the choice that tension bounds the friction too.
+const TENSION: &str = "tension";
 
 /// Friction law of the contact and its coefficients, in the order in which the law declares them.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,42 +31,67 @@ impl JsonSchema for Friction {
     }
 
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        let of = |form| LAWS.iter().filter(move |law| law.form() == form);
-        let mut laws: Vec<Value> = of(Form::Law).map(|law| variant(*law, "law")).collect();
-        let kinds: Vec<Value> = of(Form::Kind).map(|law| variant(*law, "kind")).collect();
-        let number = coefficient(&CONSTANT.coefficients()[0]);
-        laws.push(json!({
-            "description": "A bound of one of several kinds.",
-            "type": "object",
-            "properties": {
-                "law": {"type": "string", "const": BOUND},
-                BOUND: {"description": "Bound, Pa: a number, or a function of the slip rate.",
-                        "anyOf": [number["anyOf"][0], {"oneOf": kinds}]},
-            },
-            "required": ["law", BOUND],
-            "additionalProperties": false,
-        }));
+        let named = |role, kind: &&dyn FrictionLaw| Law::find(role, kind.name());
+        let own = LAWS.iter().filter_map(|law| named(Role::Own, law));
+        let mut laws: Vec<Value> = own.map(|law| variant(law, "law")).collect();
+        for role in Role::OF_KINDS {
+            let kinds = KINDS.iter().filter_map(|kind| named(role, kind));
+            let kinds: Vec<Value> = kinds.map(|law| variant(law, "kind")).collect();
+            laws.extend(of_kinds(role, &kinds));
+        }
         let mut schema = Schema::default();
-        let text = "Friction bound g as a function of the slip rate r >= 0 (m/s).";
+        let text = "Friction: a bound g of the tangential stress as a function of the slip rate r >= 0 (m/s), or Coulomb's law.";
         schema.insert("description".into(), text.into());
         schema.insert("oneOf".into(), laws.into());
         schema
     }
 }
 
-/// Schema of a law: its name under `tag`, and its coefficients.
+/// Schema of a role whose kinds have these schemas.
+fn of_kinds(role: Role, kinds: &[Value]) -> Option<Value> {
+    let [name, key] = role.words()?;
+    let constant = Law::constant(role);
+    let number = coefficient(constant.coefficient(0), constant.unit(0));
+    let (text, meaning) = match role {
+        Role::Own | Role::Bound => (
+            "A bound of one of several kinds.",
+            "Bound, Pa: a number, one per node, or a function of the slip rate.",
+        ),
+        Role::Coulomb { .. } => (
+            "Coulomb's law: the bound is `min(cap, cohesion + coefficient * pressure)`.",
+            "Coefficient of friction: a number, one per node, or a function of the slip rate.",
+        ),
+    };
+    let mut value = number["anyOf"].as_array().cloned().unwrap_or_default();
+    value.push(json!({"oneOf": kinds}));
+    let mut members = Map::new();
+    members.insert("law".into(), json!({"type": "string", "const": name}));
+    members.insert(key.into(), json!({"description": meaning, "anyOf": value}));
+    insert_coefficients(&mut members, role.coefficients(), role);
+    if let Role::Coulomb { .. } = role {
+        let meaning = "Whether the bound is that of the magnitude of the pressure, so that tension counts too; default: only compression counts.";
+        let choice = json!({"type": "boolean", "description": meaning, "default": false});
+        members.insert(TENSION.into(), choice);
+    }
+    Some(json!({
+        "description": text,
+        "type": "object",
+        "properties": members,
+        "required": ["law", key],
+        "additionalProperties": false,
+    }))
+}
+
+/// Schema of a law: its name under `tag`, and its coefficients without those of its role.
 fn variant(law: Law, tag: &str) -> Value {
     let mut members = Map::new();
     members.insert(tag.into(), json!({"type": "string", "const": law.name()}));
-    let mut required = vec![tag];
-    for declared in law.coefficients() {
-        members.insert(declared.name.into(), coefficient(declared));
-        if declared.default.is_none() {
-            required.push(declared.name);
-        }
-    }
+    let declared = law.kind().coefficients();
+    insert_coefficients(&mut members, declared, law.role());
+    let needed = declared.iter().filter(|c| c.omitted == Omitted::Refused);
+    let required: Vec<&str> = [tag].into_iter().chain(needed.map(|c| c.name)).collect();
     json!({
-        "description": law.text(),
+        "description": law.kind().text(),
         "type": "object",
         "properties": members,
         "required": required,
@@ -69,8 +99,16 @@ fn variant(law: Law, tag: &str) -> Value {
     })
 }
 
+fn insert_coefficients(members: &mut Map<String, Value>, declared: &[Coefficient], role: Role) {
+    for declared in declared {
+        let unit = declared.unit.in_role(role);
+        members.insert(declared.name.into(), coefficient(declared, unit));
+    }
+}
+
 /// Schema of a coefficient: a number or one per node, or the points of a curve.
-fn coefficient(declared: &Coefficient) -> Value {
+fn coefficient(declared: &Coefficient, unit: &str) -> Value {
+    let text = meaning(declared, unit);
     let mut number = Map::new();
     number.insert("type".into(), "number".into());
     number.insert("format".into(), "double".into());
@@ -90,7 +128,7 @@ fn coefficient(declared: &Coefficient) -> Value {
     let mut schema = match declared.extent {
         Extent::Points => list,
         Extent::Nodes => {
-            number.insert("description".into(), declared.text.into());
+            number.insert("description".into(), text.clone().into());
             json!({"anyOf": [number, {
                 "description": "One number per contact node.",
                 "type": "object",
@@ -100,11 +138,19 @@ fn coefficient(declared: &Coefficient) -> Value {
             }]})
         }
     };
-    schema["description"] = declared.text.into();
-    if let Some(default) = declared.default {
+    schema["description"] = text.into();
+    if let Omitted::Means(default) = declared.omitted {
         schema["default"] = default.into();
     }
     schema
+}
+
+/// What a coefficient means, with its unit in words: `Pa.s/m` is `Pa s/m`, and a number has none.
+fn meaning(declared: &Coefficient, unit: &str) -> String {
+    match unit {
+        "1" => declared.text.replace(", {}", ""),
+        unit => declared.text.replace("{}", &unit.replace('.', " ")),
+    }
 }
 
 impl<'de> Deserialize<'de> for Friction {
@@ -118,34 +164,55 @@ impl<'de> Deserialize<'de> for Friction {
 fn read(value: &Value) -> Option<Friction> {
     let members = value.as_object()?;
     let name = members.get("law")?.as_str()?;
-    if name != BOUND {
-        return read_law(Law::find(Form::Law, name)?, members);
-    }
-    match members.get(BOUND)? {
-        Value::Object(kind) if members.len() == 2 => {
-            read_law(Law::find(Form::Kind, kind.get("kind")?.as_str()?)?, kind)
+    let tension = members.get(TENSION).map_or(Some(false), Value::as_bool)?;
+    let is_named = |role: &Role| role.words().is_some_and(|[law, _]| law == name);
+    let Some(role) = Role::OF_KINDS.into_iter().find(is_named) else {
+        let law = Law::find(Role::Own, name)?;
+        let coefficients = read_list(law.kind().coefficients(), members, 1)?;
+        return Some(Friction { law, coefficients });
+    };
+    let [_, key] = role.words()?;
+    // beside the name of the law and the kind
+    let (role, others) = match role {
+        Role::Coulomb { .. } => {
+            let has_choice = usize::from(members.contains_key(TENSION));
+            (Role::Coulomb { tension }, 2 + has_choice)
         }
-        number if members.len() == 2 => Some(Friction {
-            law: CONSTANT,
-            coefficients: vec![Given::Number(number.as_f64()?)],
-        }),
-        _ => None,
+        Role::Own | Role::Bound => (role, 2),
+    };
+    match members.get(key)? {
+        Value::Object(kind) if kind.contains_key("kind") => {
+            let law = Law::find(role, kind.get("kind")?.as_str()?)?;
+            let mut coefficients = read_list(law.kind().coefficients(), kind, 1)?;
+            coefficients.extend(read_list(role.coefficients(), members, others)?);
+            Some(Friction { law, coefficients })
+        }
+        value => {
+            let law = Law::constant(role);
+            let declared = law.coefficient(0);
+            let mut coefficients = vec![read_given(declared.extent, value)?];
+            coefficients.extend(read_list(role.coefficients(), members, others)?);
+            Some(Friction { law, coefficients })
+        }
     }
 }
 
-fn read_law(law: Law, members: &Map<String, Value>) -> Option<Friction> {
-    let declared = law.coefficients();
+/// Declared coefficients among members of which so many others are allowed.
+fn read_list(
+    declared: &[Coefficient],
+    members: &Map<String, Value>,
+    others: usize,
+) -> Option<Vec<Given>> {
     let is_known = |key: &String| declared.iter().any(|c| c.name == *key);
-    let others = members.keys().filter(|key| !is_known(key)).count();
-    let given = |declared: &Coefficient| match members.get(declared.name) {
-        Some(value) => read_given(declared.extent, value),
-        None => declared.default.map(Given::Number),
+    let given = |declared: &Coefficient| match (members.get(declared.name), declared.omitted) {
+        (Some(value), _) => read_given(declared.extent, value),
+        (None, Omitted::Means(default)) => Some(Given::Number(default)),
+        (None, Omitted::Without) => Some(Given::Absent),
+        (None, Omitted::Refused) => None,
     };
-    // the tag is the only other key
-    (others == 1).then_some(Friction {
-        law,
-        coefficients: declared.iter().map(given).collect::<Option<_>>()?,
-    })
+    let unknown = members.keys().filter(|key| !is_known(key)).count();
+    let all = || declared.iter().map(given).collect();
+    if unknown == others { all() } else { None }
 }
 
 fn read_given(extent: Extent, value: &Value) -> Option<Given> {
@@ -164,35 +231,70 @@ fn read_given(extent: Extent, value: &Value) -> Option<Given> {
 
 impl Serialize for Friction {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        match self.law.form() {
-            Form::Law => Tagged("law", self).serialize(to),
-            Form::Kind => {
-                let mut map = to.serialize_map(Some(2))?;
-                map.serialize_entry("law", BOUND)?;
-                map.serialize_entry(BOUND, &Tagged("kind", self))?;
-                map.end()
-            }
+        let own = self.law.kind().coefficients();
+        let (given, of_role) = self.coefficients.split_at(own.len());
+        let tag = |tag: &'static str| Listed {
+            tag: (tag, self.law.name()),
+            declared: own,
+            given,
+        };
+        let role = self.law.role();
+        let Some([name, key]) = role.words() else {
+            return tag("law").serialize(to);
+        };
+        let mut map = to.serialize_map(None)?;
+        map.serialize_entry("law", name)?;
+        match given {
+            [number] if self.law.is_number() => map.serialize_entry(key, &Written(number))?,
+            _ => map.serialize_entry(key, &tag("kind"))?,
         }
+        for (declared, given) in present(role.coefficients(), of_role) {
+            map.serialize_entry(declared.name, &Written(given))?;
+        }
+        if let Role::Coulomb { tension: true } = role {
+            map.serialize_entry(TENSION, &true)?;
+        }
+        map.end()
     }
 }
 
-/// A law beside its coefficients, under this tag.
-struct Tagged<'a>(&'static str, &'a Friction);
+/// The coefficients that are not left out.
+fn present<'a>(
+    declared: &'a [Coefficient],
+    given: &'a [Given],
+) -> impl Iterator<Item = (&'a Coefficient, &'a Given)> {
+    let all = declared.iter().zip(given);
+    all.filter(|(_, given)| **given != Given::Absent)
+}
 
-impl Serialize for Tagged<'_> {
+/// Coefficients beside the name of their law.
+struct Listed<'a> {
+    tag: (&'static str, &'static str),
+    declared: &'a [Coefficient],
+    given: &'a [Given],
+}
+
+impl Serialize for Listed<'_> {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        let Tagged(tag, Friction { law, coefficients }) = self;
-        let mut map = to.serialize_map(Some(1 + coefficients.len()))?;
-        map.serialize_entry(tag, law.name())?;
-        for (declared, given) in law.coefficients().iter().zip(coefficients) {
-            match given {
-                Given::Number(value) => map.serialize_entry(declared.name, value)?,
-                Given::Points(values) => map.serialize_entry(declared.name, values)?,
-                Given::Nodes(values) => {
-                    map.serialize_entry(declared.name, &json!({ NODES: values }))?
-                }
-            }
+        let mut map = to.serialize_map(None)?;
+        map.serialize_entry(self.tag.0, self.tag.1)?;
+        for (declared, given) in present(self.declared, self.given) {
+            map.serialize_entry(declared.name, &Written(given))?;
         }
         map.end()
+    }
+}
+
+/// A coefficient as a scene writes it.
+struct Written<'a>(&'a Given);
+
+impl Serialize for Written<'_> {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        match self.0 {
+            Given::Number(value) => value.serialize(to),
+            Given::Points(values) => values.serialize(to),
+            Given::Nodes(values) => json!({ NODES: values }).serialize(to),
+            Given::Absent => to.serialize_none(),
+        }
     }
 }

@@ -1,0 +1,61 @@
+//! The bounds of any law as nodal forces that may depend on the normal forces.
+
+use super::coulomb::Coulomb;
+use super::{At, Coefficients, FrictionLaw};
+use crate::contact::evaluation::SlipPath;
+use crate::contact::pressed::{PressedBound, PressedBounds};
+
+/// A law with given coefficients in a stage: `B = omega g(r)`, or Coulomb's law.
+#[derive(Debug, Clone, Copy)]
+pub struct PressedLaw<'a> {
+    kind: &'static dyn FrictionLaw,
+    coefficients: Coefficients<'a>,
+    /// `None` for a bound in Pa.
+    coulomb: Option<Coulomb<'a>>,
+    weights: &'a [f64],
+}
+
+impl<'a> PressedLaw<'a> {
+    /// `weights`: nodal contact weights, m^2 (m in 2D).
+    pub(super) fn new(
+        kind: &'static dyn FrictionLaw,
+        coefficients: Coefficients<'a>,
+        coulomb: Option<Coulomb<'a>>,
+        weights: &'a [f64],
+    ) -> PressedLaw<'a> {
+        PressedLaw {
+            kind,
+            coefficients,
+            coulomb,
+            weights,
+        }
+    }
+}
+
+impl PressedBounds for PressedLaw<'_> {
+    fn evaluate(&self, node: usize, rate: f64, force: f64, slip: SlipPath) -> PressedBound {
+        let weight = self.weights[node];
+        let value = self.kind.value(&At {
+            rate,
+            slip,
+            coefficients: self.coefficients,
+            node,
+        });
+        match &self.coulomb {
+            Some(coulomb) => coulomb.bound(node, weight, force, value),
+            None => PressedBound {
+                bound: weight * value.value,
+                by_rate: weight * value.by_rate,
+                by_force: 0.0,
+            },
+        }
+    }
+
+    fn weakening(&self, node: usize, force: f64) -> f64 {
+        let scale = match &self.coulomb {
+            Some(coulomb) => coulomb.pressing(force)[0],
+            None => self.weights[node],
+        };
+        scale * self.kind.weakening(self.coefficients, node)
+    }
+}
