@@ -3,6 +3,7 @@
 
 use super::certificate::{certify, sharp_constant, sharp_constant_of_compliance};
 use super::memory::{Sizes, ensure_available};
+use super::motions::Motions;
 use super::parts::Parts;
 use super::selection::Selection;
 use crate::body::BodyModel;
@@ -127,7 +128,7 @@ impl Compilation {
 /// An explicit scheme beyond its stability limit gives numbers that mean nothing.
 fn refuse_unstable(scene: &Scene, body: &Body) -> Result<()> {
     let step = scene.time.step;
-    let limit = Tableau::of(scene.time.scheme).stability_limit(body.element_rates[1]);
+    let limit = Tableau::of(scene.scheme()).stability_limit(body.element_rates[1]);
     match limit {
         Some(limit) if step > limit && !scene.time.force => Err(Error::Unstable { step, limit }),
         _ => Ok(()),
@@ -143,7 +144,7 @@ fn finish(
     selection: Option<Selection>,
 ) -> Result<Model> {
     let friction = scene.friction_on(body.contact.node_count())?;
-    let tableau = Tableau::of(scene.time.scheme);
+    let tableau = Tableau::of(scene.scheme());
     let theta_k = tableau.theta() * scene.time.step;
     let certificate = certify(
         body,
@@ -162,6 +163,7 @@ fn finish(
         reduction: kept.reduction.clone(),
         contact: body.contact.clone(),
         measures: body.loads.iter().map(|l| l.measure).collect(),
+        motions: Motions::of(scene, body),
         certificate,
         strain_weights: match body.strain {
             StrainNorm::Combination(x, y) => Some((x, y)),

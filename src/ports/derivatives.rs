@@ -29,11 +29,13 @@ impl Quantity {
     pub(crate) fn tangent(self) -> Tangent {
         use Quantity::*;
         match self {
-            Load(_) | TangentialStress | SlipRate | Slip | AccumulatedSlip | ContactForce
+            Input(_) | TangentialStress | SlipRate | Slip | AccumulatedSlip | ContactForce
+            | Pressure | Gap | NormalForce | MeanTangentialStress | MeanSlipRate | MeanPressure
             | LoadDisplacement(_) | LoadVelocity(_) | ProbeDisplacement(_) | ProbeVelocity(_)
+            | DriveDisplacement(_) | DriveVelocity(_) | DriveForce(_) | FoundationForce(_)
             | ExternalWork | ElasticEnergy | ViscousDissipation | FrictionDissipation
             | BalanceError | Coefficient(_) => Tangent::Linear,
-            Stick | StickFraction | Iterations | Residual | Solutions | SolutionGap
+            Stick | Status | StickFraction | OpenFraction | Iterations | Residual | Solutions | SolutionGap
             | ErrorEstimate | LostDigits => Tangent::Zero,
             MaxSlipRate => Tangent::LargestRate,
         }
@@ -47,7 +49,10 @@ impl Quantity {
             AccumulatedSlip => Slope::NormOf(SlipRate),
             LoadDisplacement(load) => Slope::Is(LoadVelocity(load)),
             ProbeDisplacement(probe) => Slope::Is(ProbeVelocity(probe)),
-            Load(_) | TangentialStress | SlipRate | Stick | ContactForce | MaxSlipRate
+            DriveDisplacement(drive) => Slope::Is(DriveVelocity(drive)),
+            Input(_) | Pressure | Gap | Status | NormalForce | OpenFraction | MeanTangentialStress
+            | MeanSlipRate | MeanPressure | DriveVelocity(_) | DriveForce(_)
+            | FoundationForce(_) | TangentialStress | SlipRate | Stick | ContactForce | MaxSlipRate
             | StickFraction | LoadVelocity(_) | ProbeVelocity(_) | ExternalWork | ElasticEnergy
             | ViscousDissipation | FrictionDissipation | BalanceError | Iterations | Residual
             | Solutions | SolutionGap | ErrorEstimate | LostDigits | Coefficient(_) => {

@@ -7,7 +7,7 @@
 use super::Simulator;
 use super::course::Points;
 use crate::error::{Error, Result};
-use crate::scene::{Inputs, Load, Scene, Signal};
+use crate::scene::{Inputs, Scene, Signal};
 
 /// A simulator on its way through the run of a scene.
 ///
@@ -43,7 +43,7 @@ impl<'a> Drive<'a> {
         let points = Points::checked(scene)?;
         let start = points.at(0);
         let mut drive = Drive {
-            values: vec![0.0; scene.loads.len()],
+            values: vec![0.0; scene.inputs().count()],
             scene,
             points,
             simulator,
@@ -67,7 +67,7 @@ impl<'a> Drive<'a> {
             });
         }
         Ok(Drive {
-            values: vec![0.0; scene.loads.len()],
+            values: vec![0.0; scene.inputs().count()],
             passed: points.passed_at(simulator.time()),
             scene,
             points,
@@ -139,7 +139,7 @@ impl<'a> Drive<'a> {
         Ok(Some(self.simulator))
     }
 
-    /// Loads of the scene at a time, behind a jump there, in the order of the inputs.
+    /// Inputs of the scene at a time, behind a jump there, in the order of the inputs.
     pub fn loads_at(&mut self, time: f64) -> &[f64] {
         self.evaluate(|signal| signal.at(time));
         &self.values
@@ -156,9 +156,8 @@ impl<'a> Drive<'a> {
 
     fn evaluate(&mut self, value: impl Fn(&Signal) -> f64) {
         let signals = &self.scene.run.signals;
-        let of = |load: &Load| signals.get(&load.name).map_or(load.start, &value);
-        for (to, load) in self.values.iter_mut().zip(&self.scene.loads) {
-            *to = of(load);
+        for (to, (name, start)) in self.values.iter_mut().zip(self.scene.inputs()) {
+            *to = signals.get(name).map_or(start, &value);
         }
     }
 }

@@ -35,7 +35,7 @@ impl Simulator {
     /// [`Error::Unknown`], [`Error::CallOrder`] for a port that is not an input, [`Error::Value`] for a number that is not finite.
     pub fn set_input_slope(&mut self, reference: u32, slope: Option<f64>) -> Result<()> {
         let port = self.model.ports().get(reference)?;
-        let Quantity::Load(load) = port.quantity else {
+        let Quantity::Input(load) = port.quantity else {
             return Err(Error::CallOrder {
                 call: "set_input_slope",
                 expected: "the port is an input",
@@ -57,7 +57,7 @@ impl Simulator {
     /// The slope that was given for an input; `None` without one, and for other ports.
     pub fn input_slope(&self, reference: u32) -> Option<f64> {
         match self.model.ports().get(reference).ok()?.quantity {
-            Quantity::Load(load) => input_course::given_slope(&self.state, load),
+            Quantity::Input(load) => input_course::given_slope(&self.state, load),
             _ => None,
         }
     }

@@ -15,6 +15,7 @@ use crate::ports::{Causality, Port, Quantity};
 use crate::state::State;
 use crate::time::companion::{Alone, Companion};
 use crate::time::control;
+use crate::time::input_course;
 use crate::time::record::record;
 use crate::time::second;
 use crate::time::sizes::MOST_INTERNAL_STEPS;
@@ -105,7 +106,8 @@ impl Simulator {
             state.time = time;
             state.loads.copy_from_slice(&state.inputs);
             state.needs_settling = 0;
-            settle(model, state, ws)?;
+            input_course::start(model, state);
+            settle(model, state, ws, input_course::start_approach(model, state))?;
             second::start(model, state);
             control::start(model, state);
             state.is_initialized = 1;
@@ -151,8 +153,7 @@ impl Simulator {
     /// Those of [`Simulator::set_inputs`].
     pub fn jump_inputs(&mut self, values: &[f64]) -> Result<()> {
         self.set_inputs(values)?;
-        if self.state.loads != values {
-            self.state.loads.copy_from_slice(values);
+        if input_course::jump(&self.model, &mut self.state) {
             self.state.needs_settling = self.state.is_initialized;
         }
         Ok(())
@@ -262,7 +263,7 @@ impl Simulator {
     /// Puts a value that has been checked where it belongs.
     fn put(&mut self, quantity: Quantity, element: usize, value: f64) {
         match quantity {
-            Quantity::Load(i) => self.state.inputs[i] = value,
+            Quantity::Input(i) => self.state.inputs[i] = value,
             Quantity::Coefficient(i) => {
                 let at = self.model.friction().places()[i].first + element;
                 if self.state.coefficients[at] != value {
@@ -398,7 +399,7 @@ fn settable(model: &Model, port: &Port, value: f64) -> Result<Quantity> {
         });
     }
     match port.quantity {
-        Quantity::Load(_) => {}
+        Quantity::Input(_) => {}
         Quantity::Coefficient(i) => model.friction().law().check_value(i, value)?,
         _ => {
             return Err(Error::CallOrder {

@@ -4,6 +4,7 @@
 use super::layout::{Blocks, Kind};
 use super::{MEANINGS, State, control};
 use crate::bytes::Reader;
+use crate::contact::pressed;
 use crate::contact::solve::newton::linearisation;
 use crate::error::Result;
 use crate::model::Model;
@@ -52,6 +53,10 @@ impl State {
                 )?,
                 Kind::Marks => ensure(
                     linearisation::is_plausible(block, components),
+                    "a point of linearisation is invalid",
+                )?,
+                Kind::PressedMarks => ensure(
+                    pressed::is_plausible(block, components),
                     "a point of linearisation is invalid",
                 )?,
                 Kind::Past => ensure(

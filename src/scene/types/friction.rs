@@ -25,6 +25,23 @@ pub struct Friction {
     pub coefficients: Vec<Given>,
 }
 
+impl Friction {
+    /// Whether its bound depends on the pressure.
+    pub fn needs_pressure(&self) -> bool {
+        matches!(self.law.role(), Role::Coulomb { .. })
+    }
+
+    /// Whether there is no friction where nothing presses.
+    pub fn vanishes_without_pressure(&self) -> bool {
+        if !self.needs_pressure() {
+            return self.coefficients.is_empty();
+        }
+        let of_cohesion = |i: &usize| self.law.is_cohesion(*i);
+        let mut all = (0..self.coefficients.len()).filter(of_cohesion);
+        all.all(|i| self.coefficients[i].values().iter().all(|v| *v == 0.0))
+    }
+}
+
 impl JsonSchema for Friction {
     fn schema_name() -> Cow<'static, str> {
         "Friction".into()
