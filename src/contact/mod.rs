@@ -20,6 +20,7 @@ pub mod evaluation;
 pub mod law;
 mod plane;
 pub mod point;
+pub mod pressed;
 pub mod problem;
 pub mod solve;
 mod space;
