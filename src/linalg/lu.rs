@@ -71,7 +71,11 @@ impl DenseLu {
         rows.fold(1.0, |sign, (j, pivot)| {
             let is_exchanged = *pivot != j;
             let is_negative = self.factor[j * self.stride + j] < 0.0;
-            if is_exchanged == is_negative { sign } else { -sign }
+            if is_exchanged == is_negative {
+                sign
+            } else {
+                -sign
+            }
         })
     }
 

@@ -46,7 +46,13 @@ impl Direction {
         solution[factor.unknowns.len()..].fill(0.0);
         for (value, &(node, kind)) in solution.iter_mut().zip(&factor.unknowns) {
             let entries = entries_of(c, &point.nodes[node]);
-            *value = -reduce(problem, Entries::new(&entries), node, kind, &point.imbalance);
+            *value = -reduce(
+                problem,
+                Entries::new(&entries),
+                node,
+                kind,
+                &point.imbalance,
+            );
         }
         if !solution.is_empty() {
             factor.lu.solve(solution);

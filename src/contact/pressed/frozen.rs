@@ -65,7 +65,8 @@ pub(super) fn settle(
             largest = largest.max(new);
             *bound += relaxation * (new - *bound);
         }
-        if !(change > SETTLED * largest) {
+        let is_settled = change <= SETTLED * largest;
+        if is_settled || change.is_nan() {
             break;
         }
     }

@@ -348,7 +348,9 @@ pub(super) struct FactorCache {
 impl FactorCache {
     pub fn new(nodes: usize, components: usize) -> FactorCache {
         FactorCache {
-            factors: (0..POINTS).map(|_| Factor::new(nodes, components)).collect(),
+            factors: (0..POINTS)
+                .map(|_| Factor::new(nodes, components))
+                .collect(),
             clock: 0,
             factorizations: 0,
         }

@@ -136,7 +136,11 @@ impl Foundation {
             let next = velocity - imbalance / (rho + self.slope(depth) * self.gap_rate);
             // rounding has the last word, and what is not a number too
             let is_moving = next > velocity;
-            velocity = if next.is_nan() { next } else { velocity.max(next) };
+            velocity = if next.is_nan() {
+                next
+            } else {
+                velocity.max(next)
+            };
             if !is_moving {
                 break;
             }
@@ -202,7 +206,7 @@ pub fn project_tangential(
     for _ in 0..EVALUATIONS {
         // summed so that the largest terms meet first
         let imbalance = (law.bound - pull) + rho * rate;
-        if !(imbalance.abs() > EXACT * pull) {
+        if imbalance.abs() <= EXACT * pull || imbalance.is_nan() {
             break;
         }
         if imbalance > 0.0 {
@@ -211,7 +215,7 @@ pub fn project_tangential(
             low = rate;
         }
         let width = high - low;
-        if !(width > EXACT * high) {
+        if width <= EXACT * high {
             break;
         }
         let newton = rate - imbalance / (rho + law.by_rate);

@@ -91,7 +91,13 @@ fn residual(problem: &PressedProblem, point: &Point, node: usize, measure: &Meas
     let forces = || meeting(problem, point, node).max(measure.meeting);
     let tangential = norm(&point.imbalance[problem.tangential(node)]);
     let normal = point.imbalance[problem.normal(node)].abs();
-    let bearing = |own: f64, least: f64| if least > 0.0 { own.max(least) } else { forces() };
+    let bearing = |own: f64, least: f64| {
+        if least > 0.0 {
+            own.max(least)
+        } else {
+            forces()
+        }
+    };
     let bound = bearing(point.nodes[node].law.bound, measure.bound);
     let force = bearing(point.f[problem.normal(node)].abs(), measure.force);
     (tangential / bound).max(normal / force)

@@ -137,7 +137,8 @@ impl Chain {
     ) -> Outcome {
         let first = self.newton.descend(problem, tolerance, STEPS, budget, at);
         self.best.copy_from(&self.newton.accepted);
-        if first != Outcome::Stalled {
+        // what is not a number leads nowhere
+        if first != Outcome::Stalled || !self.best.merit.is_finite() {
             return first;
         }
         self.sweep(problem, SWEEPS, budget);

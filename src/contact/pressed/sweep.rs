@@ -40,15 +40,18 @@ pub(super) fn sweep(problem: &PressedProblem, point: &mut Point, forces: &mut [f
                 z[k] = resistance[0] * v[k] - local[k];
             }
             let pull = norm(&z[..c]);
-            let friction =
-                project_tangential(problem, node, resistance[0], pull, normal.force);
+            let friction = project_tangential(problem, node, resistance[0], pull, normal.force);
             let rate = friction.rate;
             for k in 0..c {
                 let direction = if pull > 0.0 { z[k] / pull } else { 0.0 };
                 let new = rate * direction;
                 moved(&mut local, k, new - v[k]);
                 v[k] = new;
-                let force = if friction.slips { friction.law.bound } else { pull };
+                let force = if friction.slips {
+                    friction.law.bound
+                } else {
+                    pull
+                };
                 point.f[first + k] = force * direction;
             }
             if v == before {
