@@ -106,7 +106,9 @@ impl DofMap {
         }
         if let Some((node, ..)) = partly_free.iter().find(|n| is_contact[n.0 as usize]) {
             let at = mesh.nodes[*node as usize];
-            let found = format!("a part with the contact node at {at:?} that is free along some directions");
+            let found = format!(
+                "a part with the contact node at {at:?} that is free along some directions"
+            );
             let allowed = "parts without contact nodes, or driven along all directions";
             return Err(scene_error("driven", found, allowed.to_owned()));
         }

@@ -140,8 +140,7 @@ pub(super) fn held_nodes(
                 Shape::Rotation { .. } => None,
             })
             .collect();
-        let is_whole =
-            translations.len() < shapes.len() || translations.len() >= mesh.dimension;
+        let is_whole = translations.len() < shapes.len() || translations.len() >= mesh.dimension;
         held.push((!is_whole).then(|| complement(&translations, mesh.dimension)));
     }
     let of = |(node, part): (u32, usize)| match &held[part] {
@@ -254,7 +253,9 @@ impl Drives {
                     .collect(),
             );
             drives.names.push(motion.name.to_owned());
-            drives.on_contact.push(shape[dofs.contact_start()..].to_vec());
+            drives
+                .on_contact
+                .push(shape[dofs.contact_start()..].to_vec());
             let seen = |rows: &NodalRows| -> Vec<f64> {
                 let of = |row: &Vec<(u32, Vector3<f64>)>| {
                     row.iter().map(|(n, v)| v.dot(&field[*n as usize])).sum()
@@ -314,7 +315,10 @@ fn largest(field: &[Vector3<f64>]) -> f64 {
 
 /// Forces of A and B at all nodes (global axes; a follower's are those of its leader) for vectors at all nodes.
 fn apply(mesh: &Mesh, forms: &[[Form; 2]], field: &[Vector3<f64>]) -> [Vec<Vector3<f64>>; 2] {
-    let mut sums = [vec![Vector3::zeros(); field.len()], vec![Vector3::zeros(); field.len()]];
+    let mut sums = [
+        vec![Vector3::zeros(); field.len()],
+        vec![Vector3::zeros(); field.len()],
+    ];
     for (cell, nodes) in mesh.cells().enumerate() {
         if nodes.iter().all(|n| field[*n as usize] == Vector3::zeros()) {
             continue;

@@ -45,7 +45,10 @@ pub(super) fn motions(scene: &Scene, contact: &ContactPatch) -> Result<Vec<Vec<f
                 let allowed = "a motion of the foundation in its own surface".to_owned();
                 return Err(scene_error(&path, found, allowed));
             }
-            for (c, tangent) in contact.tangents[node][..contact.components].iter().enumerate() {
+            for (c, tangent) in contact.tangents[node][..contact.components]
+                .iter()
+                .enumerate()
+            {
                 column[node * contact.stride() + c] = at.dot(&Vector3::from(*tangent));
             }
         }

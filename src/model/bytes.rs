@@ -4,7 +4,7 @@
 //! models of equal scenes whose numbers differ (another mesh file, another machine's rounding), because the coordinates
 //! of a saved state mean something only together with the very numbers of the model.
 
-use super::certificate::Certificate;
+use super::certificate::{Certificate, CoulombConstants};
 use super::motions::Motions;
 use super::parts::Parts;
 use super::selection::Selection;
@@ -109,6 +109,12 @@ impl Model {
             c.sharp_instant,
             c.sharp_step,
         ]);
+        if let Some(coulomb) = c.coulomb {
+            // a coefficient may rise without limit
+            out.float(coulomb.coefficient.min(f64::MAX));
+            out.float(coulomb.weakening);
+            out.float(coulomb.coupling);
+        }
         out.floats(&self.measures);
         write_contact(&self.contact, out);
         self.motions.write(out);
@@ -139,6 +145,17 @@ fn read_parts(from: &mut Reader, scene: &Scene) -> Result<Parts> {
         }
     };
     let [c0_squared, l_g, m_a, l_b, sharp_instant, sharp_step] = array(from)?;
+    let coulomb = match scene.contact.friction.needs_pressure() {
+        false => None,
+        true => Some(CoulombConstants {
+            coefficient: match from.float()? {
+                f64::MAX => f64::INFINITY,
+                value => value,
+            },
+            weakening: from.float()?,
+            coupling: from.float()?,
+        }),
+    };
     let measures = from.finite()?;
     if measures.len() != scene.loads.len() {
         return Err(Reader::refusal("compiled model: number of loads"));
@@ -148,6 +165,7 @@ fn read_parts(from: &mut Reader, scene: &Scene) -> Result<Parts> {
         && is_positive(&measures)
         && is_positive(&[c0_squared, m_a, l_b, sharp_instant, sharp_step])
         && l_g >= 0.0
+        && coulomb.is_none_or(|c| c.coefficient >= 0.0 && c.weakening >= 0.0 && c.coupling >= 0.0)
         && achieved.is_finite();
     if !is_possible {
         return Err(Reader::refusal(
@@ -187,6 +205,7 @@ fn read_parts(from: &mut Reader, scene: &Scene) -> Result<Parts> {
             l_b,
             sharp_instant,
             sharp_step,
+            coulomb,
         },
         strain_weights,
         dimension,

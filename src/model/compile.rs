@@ -1,7 +1,7 @@
 //! Scene -> Model, as one pipeline: pick the setting for a target, mesh and assemble, order for elimination, choose what is
 //! kept of the body, certify.
 
-use super::certificate::{certify, sharp_constant, sharp_constant_of_compliance};
+use super::certificate::{LawConstants, certify, constants_of_compliance, factored_constants};
 use super::memory::{Sizes, ensure_available};
 use super::motions::Motions;
 use super::parts::Parts;
@@ -146,18 +146,19 @@ fn finish(
     let friction = scene.friction_on(body.contact.node_count())?;
     let tableau = Tableau::of(scene.scheme());
     let theta_k = tableau.theta() * scene.time.step;
-    let certificate = certify(
-        body,
-        cholesky,
-        friction.bounds().weakening(),
-        theta_k,
-        |x, y| match &kept.model {
-            KeptModel::Reduced(reduced) => {
-                sharp_constant_of_compliance(body, &reduced.compliance(x, y))
-            }
-            KeptModel::Whole(_) => sharp_constant(body, cholesky, (x, y)),
-        },
-    )?;
+    let law = LawConstants {
+        weakening: friction.bounds().weakening(),
+        coefficient: friction.needs_pressure().then(|| {
+            let nodes = 0..body.contact.node_count();
+            let largest = nodes.map(|node| friction.bounds().extremes(node)[0]);
+            largest.fold(0.0, f64::max)
+        }),
+    };
+    let constants = |x: f64, y: f64| match &kept.model {
+        KeptModel::Reduced(reduced) => constants_of_compliance(body, &reduced.compliance(x, y)),
+        KeptModel::Whole(_) => factored_constants(body, cholesky, (x, y)),
+    };
+    let certificate = certify(body, cholesky, law, theta_k, constants)?;
     let parts = Parts {
         kind: kept.kind,
         reduction: kept.reduction.clone(),

@@ -43,7 +43,11 @@ impl Motions {
         let count = drives.len();
         let mut columns = Vec::with_capacity(3 * count);
         for i in 0..count {
-            columns.extend([&drives.on_contact[i], &drives.on_loads[i], &drives.on_probes[i]]);
+            columns.extend([
+                &drives.on_contact[i],
+                &drives.on_loads[i],
+                &drives.on_probes[i],
+            ]);
         }
         let is_zero: Vec<bool> = drives.columns.iter().map(Vec::is_empty).collect();
         let owned = columns.into_iter().cloned().collect();
@@ -88,7 +92,13 @@ impl Motions {
             drives,
             viscosity: Vec::new(),
             elasticity: Vec::new(),
-            foundation: scene.contact.foundation.iter().zip(foundation).map(of).collect(),
+            foundation: scene
+                .contact
+                .foundation
+                .iter()
+                .zip(foundation)
+                .map(of)
+                .collect(),
         }
     }
 
@@ -234,7 +244,11 @@ impl Motions {
     }
 
     pub fn write(&self, out: &mut Writer) {
-        let is_zero: Vec<usize> = self.drives.iter().map(|d| usize::from(d.column.is_none())).collect();
+        let is_zero: Vec<usize> = self
+            .drives
+            .iter()
+            .map(|d| usize::from(d.column.is_none()))
+            .collect();
         out.indices(&is_zero);
         for drive in &self.drives {
             for values in [&drive.on_contact, &drive.on_loads, &drive.on_probes] {
@@ -243,15 +257,23 @@ impl Motions {
         }
         out.floats(&self.viscosity);
         out.floats(&self.elasticity);
-        self.foundation.iter().for_each(|motion| out.floats(&motion.on_contact));
+        self.foundation
+            .iter()
+            .for_each(|motion| out.floats(&motion.on_contact));
     }
 
     /// Reads what [`Motions::write`] wrote, for a contact of so many components.
     ///
     /// # Errors
     /// [`crate::Error::Bytes`].
-    pub fn read(from: &mut Reader, scene: &Scene, contact: usize, dimension: usize) -> Result<Motions> {
-        let refusal = || Reader::refusal("compiled model: motions of driven parts or of the foundation");
+    pub fn read(
+        from: &mut Reader,
+        scene: &Scene,
+        contact: usize,
+        dimension: usize,
+    ) -> Result<Motions> {
+        let refusal =
+            || Reader::refusal("compiled model: motions of driven parts or of the foundation");
         let drives: usize = scene.driven.iter().map(|d| d.directions.len()).sum();
         let is_zero: Vec<bool> = from.indices(2)?.into_iter().map(|zero| zero == 1).collect();
         if is_zero.len() != drives {

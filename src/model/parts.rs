@@ -2,8 +2,8 @@
 //! whether they were compiled a moment ago or read from bytes.
 
 use super::certificate::Certificate;
-use super::selection::Selection;
 use super::motions::Motions;
+use super::selection::Selection;
 use super::{BodyModel, Model, ReductionRecord, SolverSettings, Summary};
 use crate::body::digits::can_lose_in_steps;
 use crate::contact::law::ChosenLaw;
@@ -106,7 +106,9 @@ fn summary(scene: &Scene, parts: &Parts) -> Summary {
 fn interpolations(scene: &Scene, motions: &Motions) -> Vec<Interpolation> {
     let loads = scene.loads.iter().map(|load| load.interpolation);
     let others = motions.inputs() - motions.loads();
-    loads.chain(std::iter::repeat_n(Interpolation::Linear, others)).collect()
+    loads
+        .chain(std::iter::repeat_n(Interpolation::Linear, others))
+        .collect()
 }
 
 fn ports(scene: &Scene, parts: &Parts, friction: &ChosenLaw) -> Ports {
@@ -121,17 +123,24 @@ fn ports(scene: &Scene, parts: &Parts, friction: &ChosenLaw) -> Ports {
         .collect();
     let probes: Vec<_> = scene.probes.iter().map(|p| p.name.clone()).collect();
     let driven = scene.driven.iter().flat_map(|driven| {
-        driven.directions.iter().map(|(name, direction)| DrivenPort {
-            name: name.clone(),
-            is_rotation: matches!(direction, DrivenDirection::Rotation(_)),
-            is_displacement: driven.input == DrivenInput::Displacement,
-        })
+        driven
+            .directions
+            .iter()
+            .map(|(name, direction)| DrivenPort {
+                name: name.clone(),
+                is_rotation: matches!(direction, DrivenDirection::Rotation(_)),
+                is_displacement: driven.input == DrivenInput::Displacement,
+            })
     });
-    let foundation = scene.contact.foundation.iter().map(|motion| FoundationPort {
-        name: motion.name().to_owned(),
-        is_rotation: matches!(motion, Foundation::Rotation { .. }),
-        is_approach: matches!(motion, Foundation::Approach { .. }),
-    });
+    let foundation = scene
+        .contact
+        .foundation
+        .iter()
+        .map(|motion| FoundationPort {
+            name: motion.name().to_owned(),
+            is_rotation: matches!(motion, Foundation::Rotation { .. }),
+            is_approach: matches!(motion, Foundation::Approach { .. }),
+        });
     Ports::new(&Shapes {
         has_normal: parts.contact.has_normal,
         can_open: !parts.contact.gaps.is_empty(),

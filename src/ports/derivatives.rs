@@ -35,8 +35,8 @@ impl Quantity {
             | DriveDisplacement(_) | DriveVelocity(_) | DriveForce(_) | FoundationForce(_)
             | ExternalWork | ElasticEnergy | ViscousDissipation | FrictionDissipation
             | BalanceError | Coefficient(_) => Tangent::Linear,
-            Stick | Status | StickFraction | OpenFraction | Iterations | Residual | Solutions | SolutionGap
-            | ErrorEstimate | LostDigits => Tangent::Zero,
+            Stick | Status | StickFraction | OpenFraction | Iterations | Residual | Solutions
+            | SolutionGap | ErrorEstimate | LostDigits => Tangent::Zero,
             MaxSlipRate => Tangent::LargestRate,
         }
     }
@@ -50,14 +50,13 @@ impl Quantity {
             LoadDisplacement(load) => Slope::Is(LoadVelocity(load)),
             ProbeDisplacement(probe) => Slope::Is(ProbeVelocity(probe)),
             DriveDisplacement(drive) => Slope::Is(DriveVelocity(drive)),
-            Input(_) | Pressure | Gap | Status | NormalForce | OpenFraction | MeanTangentialStress
-            | MeanSlipRate | MeanPressure | DriveVelocity(_) | DriveForce(_)
-            | FoundationForce(_) | TangentialStress | SlipRate | Stick | ContactForce | MaxSlipRate
-            | StickFraction | LoadVelocity(_) | ProbeVelocity(_) | ExternalWork | ElasticEnergy
-            | ViscousDissipation | FrictionDissipation | BalanceError | Iterations | Residual
-            | Solutions | SolutionGap | ErrorEstimate | LostDigits | Coefficient(_) => {
-                Slope::Unknown
-            }
+            Input(_) | Pressure | Gap | Status | NormalForce | OpenFraction
+            | MeanTangentialStress | MeanSlipRate | MeanPressure | DriveVelocity(_)
+            | DriveForce(_) | FoundationForce(_) | TangentialStress | SlipRate | Stick
+            | ContactForce | MaxSlipRate | StickFraction | LoadVelocity(_) | ProbeVelocity(_)
+            | ExternalWork | ElasticEnergy | ViscousDissipation | FrictionDissipation
+            | BalanceError | Iterations | Residual | Solutions | SolutionGap | ErrorEstimate
+            | LostDigits | Coefficient(_) => Slope::Unknown,
         }
     }
 }

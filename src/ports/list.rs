@@ -68,7 +68,10 @@ impl Ports {
                     "rad/s",
                     "Angular velocity of the foundation at the end of the next step.",
                 ),
-                _ => ("m/s", "Velocity of the foundation at the end of the next step."),
+                _ => (
+                    "m/s",
+                    "Velocity of the foundation at the end of the next step.",
+                ),
             };
             (&motion.name, unit, text)
         });
@@ -84,21 +87,50 @@ impl Ports {
             return;
         }
         let nodal: &[usize] = &[shapes.nodes];
-        let text = "Pressure of the foundation on the body; negative where bilateral contact pulls.";
-        self.add("contact.pressure", "Pa", Output, nodal, Quantity::Pressure, text);
+        let text =
+            "Pressure of the foundation on the body; negative where bilateral contact pulls.";
+        self.add(
+            "contact.pressure",
+            "Pa",
+            Output,
+            nodal,
+            Quantity::Pressure,
+            text,
+        );
         let text = "Total force of the foundation on the body along the inward normals.";
-        self.add("contact.normal_force", "N", Output, &[], Quantity::NormalForce, text);
+        self.add(
+            "contact.normal_force",
+            "N",
+            Output,
+            &[],
+            Quantity::NormalForce,
+            text,
+        );
         if shapes.can_open {
             let text = "Distance to the foundation along its normal; negative where it gives way.";
             self.add("contact.gap", "m", Output, nodal, Quantity::Gap, text);
             let text = "0 where the node is open, 1 where it sticks, 2 where it slips.";
             self.add("contact.status", "1", Output, nodal, Quantity::Status, text);
             let text = "Share of the contact area that is open.";
-            self.add("contact.open_fraction", "1", Output, &[], Quantity::OpenFraction, text);
+            self.add(
+                "contact.open_fraction",
+                "1",
+                Output,
+                &[],
+                Quantity::OpenFraction,
+                text,
+            );
         }
         if shapes.has_means {
             let text = "Mean pressure over the last internal step.";
-            self.add("contact.mean_pressure", "Pa", Output, nodal, Quantity::MeanPressure, text);
+            self.add(
+                "contact.mean_pressure",
+                "Pa",
+                Output,
+                nodal,
+                Quantity::MeanPressure,
+                text,
+            );
         }
     }
 
@@ -113,10 +145,24 @@ impl Ports {
             };
             let text = "Displacement of the driven part since the start.";
             let quantity = Quantity::DriveDisplacement(i);
-            self.add(format!("{name}.displacement"), length, Output, &[], quantity, text);
+            self.add(
+                format!("{name}.displacement"),
+                length,
+                Output,
+                &[],
+                quantity,
+                text,
+            );
             let text = "Velocity of the driven part.";
             let quantity = Quantity::DriveVelocity(i);
-            self.add(format!("{name}.velocity"), rate, Output, &[], quantity, text);
+            self.add(
+                format!("{name}.velocity"),
+                rate,
+                Output,
+                &[],
+                quantity,
+                text,
+            );
             let text = "What is needed to drive the part; times the velocity it is the power.";
             let quantity = Quantity::DriveForce(i);
             self.add(format!("{name}.{force}"), unit, Output, &[], quantity, text);

@@ -17,9 +17,8 @@ pub(crate) fn read(model: &Model, state: &State, port: &Port, out: &mut [f64]) {
     };
     let motions = model.motions();
     let (loads, weights) = (motions.force_count(), &contact.weights);
-    let is_open = |node: usize| {
-        !contact.gaps.is_empty() && state.main.instant.normal_force[node] <= 0.0
-    };
+    let is_open =
+        |node: usize| !contact.gaps.is_empty() && state.main.instant.normal_force[node] <= 0.0;
     let pressures = |forces: &[f64], out: &mut [f64]| {
         for (out, (force, weight)) in out.iter_mut().zip(forces.iter().zip(weights)) {
             *out = force / weight;

@@ -145,10 +145,17 @@ impl Scene {
 
     /// Names and starts of all inputs in their order: loads, driven directions, motions of the foundation.
     pub fn inputs(&self) -> impl Iterator<Item = (&str, f64)> {
-        let loads = self.loads.iter().map(|load| (load.name.as_str(), load.start));
+        let loads = self
+            .loads
+            .iter()
+            .map(|load| (load.name.as_str(), load.start));
         let directions = self.driven.iter().flat_map(|d| d.directions.keys());
         let driven = directions.map(|name| (name.as_str(), 0.0));
-        let foundation = self.contact.foundation.iter().map(|m| (m.name(), m.start()));
+        let foundation = self
+            .contact
+            .foundation
+            .iter()
+            .map(|m| (m.name(), m.start()));
         loads.chain(driven).chain(foundation)
     }
 

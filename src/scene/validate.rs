@@ -54,7 +54,10 @@ fn check_names(scene: &Scene) -> Verdict {
     });
     let motions = scene.contact.foundation.iter().enumerate();
     let foundation = motions.map(|(i, m)| (format!("contact.foundation[{i}].name"), m.name()));
-    let all = loads.chain(probes).chain(driven).map(|(path, name)| (path, name.as_str()));
+    let all = loads
+        .chain(probes)
+        .chain(driven)
+        .map(|(path, name)| (path, name.as_str()));
     let mut taken: BTreeMap<&str, String> = BTreeMap::new();
     for (path, name) in all.chain(foundation) {
         ensure(is_identifier(name), || {

@@ -1,6 +1,8 @@
 //! The loop over a scene's own run: a simulator is started, and stepped from communication point to communication point on the
 //! signals of the scene.
 //!
+//! Within a step signals are followed as they are, bends at points of their tables included.
+//!
 //! The step that ends where a signal jumps ends with the load before the jump; then the load jumps, and the next step begins
 //! with the load after it.
 
@@ -49,6 +51,7 @@ impl<'a> Drive<'a> {
             simulator,
             passed: 0,
         };
+        drive.simulator.reserve_bends(points_of(scene));
         drive.set_inputs_at(start)?;
         drive.simulator.init(start)?;
         Ok(drive)
@@ -66,6 +69,7 @@ impl<'a> Drive<'a> {
                 expected: "init, or a restored state",
             });
         }
+        simulator.reserve_bends(points_of(scene));
         Ok(Drive {
             values: vec![0.0; scene.inputs().count()],
             passed: points.passed_at(simulator.time()),
@@ -105,6 +109,7 @@ impl<'a> Drive<'a> {
             let jump = self.points.jump_at(to).filter(|_| to < self.points.until);
             let end = jump.map_or(to, |[first, _]| first);
             self.set_inputs(|signal| signal.before(end))?;
+            self.bend_inputs(from, end);
             self.simulator.do_step(from, to - from)?;
             if let Some([_, last]) = jump {
                 self.evaluate(|signal| signal.at(last));
@@ -145,6 +150,22 @@ impl<'a> Drive<'a> {
         &self.values
     }
 
+    /// Signals bend at the points of their tables, also within a step.
+    fn bend_inputs(&mut self, from: f64, to: f64) {
+        for (input, (name, _)) in self.scene.inputs().enumerate() {
+            let Some(Signal::Table(points)) = self.scene.run.signals.get(name) else {
+                continue;
+            };
+            let first = points.partition_point(|point| point[0] <= from);
+            for [time, value] in points[first..].iter().take_while(|point| point[0] < to) {
+                let fraction = (time - from) / (to - from);
+                if fraction > 0.0 && fraction < 1.0 {
+                    self.simulator.bend_input(input, fraction, *value);
+                }
+            }
+        }
+    }
+
     fn set_inputs_at(&mut self, time: f64) -> Result<()> {
         self.set_inputs(|signal| signal.at(time))
     }
@@ -160,4 +181,13 @@ impl<'a> Drive<'a> {
             *to = signals.get(name).map_or(start, &value);
         }
     }
+}
+
+/// Points of all tables.
+fn points_of(scene: &Scene) -> usize {
+    let tables = scene.run.signals.values().map(|signal| match signal {
+        Signal::Constant(_) => 0,
+        Signal::Table(points) => points.len(),
+    });
+    tables.sum()
 }

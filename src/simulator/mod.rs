@@ -21,7 +21,7 @@ use crate::time::second;
 use crate::time::sizes::MOST_INTERNAL_STEPS;
 use crate::time::stage::settle;
 use crate::time::step;
-use crate::time::workspace::Workspace;
+use crate::time::workspace::{Bend, Workspace};
 use std::sync::Arc;
 
 /// Relative deviation of the time of a call from the simulator's own that still counts as the same instant.
@@ -37,6 +37,8 @@ pub struct Simulator {
     last_step: Option<f64>,
     trial: State,
     workspace: Workspace,
+    /// Where inputs bend in the next step.
+    bends: Vec<Bend>,
 }
 
 impl Clone for Simulator {
@@ -49,6 +51,7 @@ impl Clone for Simulator {
             last_step: self.last_step,
             trial: self.trial.clone(),
             workspace: Workspace::new(&self.model),
+            bends: self.bends.clone(),
         }
     }
 }
@@ -62,6 +65,7 @@ impl Simulator {
             last_step: None,
             trial: state.clone(),
             workspace: Workspace::new(&model),
+            bends: Vec::new(),
             state,
             model,
         }
@@ -322,6 +326,9 @@ impl Simulator {
             });
         }
         self.check_coefficients()?;
+        // those of the step before serve its derivatives until here
+        std::mem::swap(&mut self.workspace.course.bends, &mut self.bends);
+        self.bends.clear();
         self.attempt(|model, state, ws| {
             step::advance(model, state, ws, step, &mut Alone)?;
             state.time = time + step;

@@ -83,7 +83,16 @@ fn displaced(model: &Model, input: usize) -> Option<usize> {
     let motions = model.motions();
     let drive = input.checked_sub(motions.loads())?;
     let is_displacement = |drive: &Drive| drive.is_displacement;
-    motions.drives.get(drive).is_some_and(is_displacement).then_some(drive)
+    motions
+        .drives
+        .get(drive)
+        .is_some_and(is_displacement)
+        .then_some(drive)
+}
+
+/// Whether an input is the displacement of a driven part.
+pub(crate) fn is_displaced(model: &Model, input: usize) -> bool {
+    displaced(model, input).is_some()
 }
 
 /// The constant velocity that leads to a given displacement.
@@ -105,7 +114,8 @@ fn begin_displaced(
     check_end(model, i, velocity)?;
     let by_input = (1.0 + slope_by_input * h) / h;
     set(course, i, [velocity; 2], [by_input; 2]);
-    let rounding = ROUNDING * (velocity.abs() + state.loads[i].abs() + (end.abs() + from.abs()) / h);
+    let rounding =
+        ROUNDING * (velocity.abs() + state.loads[i].abs() + (end.abs() + from.abs()) / h);
     Ok((velocity - state.loads[i]).abs() > rounding)
 }
 

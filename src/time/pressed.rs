@@ -231,7 +231,10 @@ impl Level {
     /// approach and its velocity.
     pub fn gap_slopes(&self, condition: &Condition, displacement: &[f64], out: &mut [f64]) {
         match (self, condition) {
-            (Level::Velocity { velocity, .. }, Condition::Bilateral | Condition::Unilateral { .. }) => {
+            (
+                Level::Velocity { velocity, .. },
+                Condition::Bilateral | Condition::Unilateral { .. },
+            ) => {
                 out.fill(-velocity);
             }
             (Level::Position { approach, .. } | Level::Velocity { approach, .. }, _) => {

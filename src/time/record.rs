@@ -43,7 +43,12 @@ pub(crate) fn explicit_part(
                 a * k,
                 &velocity.instant.normal_velocity,
             );
-            add_drives(motions, &mut explicit.drive_displacement, a * k, &velocity.load);
+            add_drives(
+                motions,
+                &mut explicit.drive_displacement,
+                a * k,
+                &velocity.load,
+            );
         }
     }
 }
@@ -130,14 +135,23 @@ pub(crate) fn add_energies(model: &Model, state: &mut State, ws: &mut Workspace,
     state.energy[energy::FRICTION] += k * dot(&mean.instant.reaction, &mean.instant.slip_rate);
     state.energy[energy::ELASTIC] = 0.5 * elastic + foundation_energy(model, state, ws.approach[1]);
     if !tableau.ends_with_stage() {
-        state.mean_slip_rate.copy_from_slice(&mean.instant.slip_rate);
+        state
+            .mean_slip_rate
+            .copy_from_slice(&mean.instant.slip_rate);
         state.mean_force.copy_from_slice(&mean.instant.force);
-        state.mean_normal_force.copy_from_slice(&mean.instant.normal_force);
+        state
+            .mean_normal_force
+            .copy_from_slice(&mean.instant.normal_force);
     }
 }
 
 /// Power of what drives the driven parts and moves the foundation; `approach` is the velocity of the latter towards the body.
-pub(crate) fn power_of_motions(motions: &Motions, inputs: &[f64], instant: &Instant, approach: f64) -> f64 {
+pub(crate) fn power_of_motions(
+    motions: &Motions,
+    inputs: &[f64],
+    instant: &Instant,
+    approach: f64,
+) -> f64 {
     let drives = instant.drive_force.iter().enumerate();
     let driven = drives.map(|(drive, force)| force * inputs[motions.drive_input(drive)]);
     let moves = instant.foundation_force.iter().zip(&motions.foundation);

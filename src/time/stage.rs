@@ -65,8 +65,8 @@ pub(crate) fn solve_stages(
     ws.approach = [motions.approach(&ws.load), end];
     ws.velocities[0].load.copy_from_slice(&ws.load);
     companion.begin(at(0.0));
-    let is_at_end =
-        !model.tableau().ends_with_stage() && !matches!(model.condition(), Condition::Compliance { .. });
+    let is_at_end = !model.tableau().ends_with_stage()
+        && !matches!(model.condition(), Condition::Compliance { .. });
     for (i, stage) in model.tableau().stages().iter().enumerate() {
         let (index, fraction) = (i + 1, at(stage.instant));
         let known = &ws.velocities[..index];

@@ -354,7 +354,9 @@ impl Tangents {
                 }
                 ContactTangent::Pressed(friction, problem) => {
                     let moved = &tangent.explicit.normal_displacement;
-                    tangent.level.gap_slopes(model.condition(), moved, &mut self.gap);
+                    tangent
+                        .level
+                        .gap_slopes(model.condition(), moved, &mut self.gap);
                     friction.apply(
                         problem,
                         &mut Derivatives {
@@ -378,7 +380,13 @@ impl Tangents {
             }
             let instant = &mut velocity.instant;
             let (contact, reaction) = (&self.velocity, &self.product);
-            body.correct(stage, contact, reaction, &mut instant.velocity, &mut ws.scratch);
+            body.correct(
+                stage,
+                contact,
+                reaction,
+                &mut instant.velocity,
+                &mut ws.scratch,
+            );
             body.outputs(&instant.velocity, &mut instant.output_velocity);
             velocity.load.copy_from_slice(&tangent.load);
             if has_motions {

@@ -103,7 +103,16 @@ impl Velocity {
     }
 }
 
-/// Loads at the two ends of a communication step, linear between them, and their derivatives by the inputs.
+/// Where an input bends within a communication step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Bend {
+    pub input: usize,
+    /// Fraction of the step, between 0 and 1.
+    pub fraction: f64,
+    pub value: f64,
+}
+
+/// Inputs at the two ends of a communication step, linear between them but for bends, and their derivatives by the inputs as set.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct LoadCourse {
     pub start: Vec<f64>,
@@ -112,6 +121,8 @@ pub(crate) struct LoadCourse {
     pub end_by_input: Vec<f64>,
     /// Size of the communication step, s.
     pub size: f64,
+    /// Ascending by input and fraction.
+    pub bends: Vec<Bend>,
 }
 
 impl LoadCourse {
@@ -123,6 +134,7 @@ impl LoadCourse {
             start_by_input: zeros.clone(),
             end_by_input: zeros,
             size: 0.0,
+            bends: Vec::new(),
         }
     }
 
@@ -134,6 +146,19 @@ impl LoadCourse {
                 *to
             } else {
                 from + (to - from) * fraction
+            };
+        }
+        for bends in self.bends.chunk_by(|a, b| a.input == b.input) {
+            let input = bends[0].input;
+            let (start, end) = ((0.0, self.start[input]), (1.0, self.end[input]));
+            let next = bends.partition_point(|bend| bend.fraction < fraction);
+            let at = |i: usize| bends.get(i).map(|bend| (bend.fraction, bend.value));
+            let before = next.checked_sub(1).and_then(at).unwrap_or(start);
+            let after = at(next).unwrap_or(end);
+            let share = (fraction - before.0) / (after.0 - before.0);
+            loads[input] = match share {
+                1.0 => after.1,
+                _ => before.1 + (after.1 - before.1) * share,
             };
         }
     }

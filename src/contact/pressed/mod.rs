@@ -24,6 +24,7 @@ mod problem;
 mod residual;
 mod solve;
 mod sweep;
+pub(crate) mod tangent;
 
 pub use linearisation::{PressedPoint, clear_points, is_plausible, points_len};
 pub use problem::{NormalCondition, PressedBound, PressedBounds, PressedProblem};

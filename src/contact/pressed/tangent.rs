@@ -68,7 +68,10 @@ impl PressedTangent {
     /// At the solution `velocity`, `force` of a problem.
     pub fn new(problem: &PressedProblem, velocity: &[f64], force: &[f64]) -> PressedTangent {
         let node = |node: usize| {
-            let (p, v) = (force[problem.normal(node)], &velocity[problem.tangential(node)]);
+            let (p, v) = (
+                force[problem.normal(node)],
+                &velocity[problem.tangential(node)],
+            );
             let motion = match problem.condition {
                 _ if problem.is_away(node) => Motion::Open,
                 NormalCondition::Bilateral => Motion::Closed,

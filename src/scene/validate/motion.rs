@@ -17,11 +17,14 @@ pub(super) fn check_condition(scene: &Scene) -> Verdict {
         return Err(Refusal::new("fidelity.target_error", found, allowed));
     }
     let can_open = !contact.condition.is_default();
-    ensure(!can_open || contact.friction.vanishes_without_pressure(), || {
-        let found = "a bound that is not zero without pressure, where contact can open";
-        let allowed = "frictionless, or coulomb without cohesion: a bound that jumps where contact opens leaves steps without solution";
-        Refusal::new("contact.friction", found, allowed)
-    })?;
+    ensure(
+        !can_open || contact.friction.vanishes_without_pressure(),
+        || {
+            let found = "a bound that is not zero without pressure, where contact can open";
+            let allowed = "frictionless, or coulomb without cohesion: a bound that jumps where contact opens leaves steps without solution";
+            Refusal::new("contact.friction", found, allowed)
+        },
+    )?;
     if !scene.is_pressed() {
         return Ok(());
     }
@@ -37,7 +40,8 @@ pub(super) fn check_condition(scene: &Scene) -> Verdict {
         Refusal::new("fidelity.multiplicity_test", found, "false")
     })?;
     ensure(scene.scheme() != Scheme::Rectangle, || {
-        let found = "\"rectangle\", which is explicit: no pressure of a step could keep the gap at its end";
+        let found =
+            "\"rectangle\", which is explicit: no pressure of a step could keep the gap at its end";
         Refusal::new(
             "time.scheme",
             found,
@@ -70,10 +74,13 @@ pub(super) fn check_foundation(scene: &Scene) -> Verdict {
 }
 
 pub(super) fn check_driven(scene: &Scene) -> Verdict {
-    ensure(!scene.clamped.is_empty() || !scene.driven.is_empty(), || {
-        let allowed = "an array of at least 1 part; or driven parts";
-        Refusal::new("clamped", json(&scene.clamped), allowed)
-    })?;
+    ensure(
+        !scene.clamped.is_empty() || !scene.driven.is_empty(),
+        || {
+            let allowed = "an array of at least 1 part; or driven parts";
+            Refusal::new("clamped", json(&scene.clamped), allowed)
+        },
+    )?;
     for (i, driven) in scene.driven.iter().enumerate() {
         let path = format!("driven[{i}].part");
         let part = &driven.part;
@@ -130,7 +137,11 @@ fn check_axis(scene: &Scene, centre: &[f64], axis: Option<&[f64]>, path: &str) -
     let path = format!("{path}.axis");
     match (axis, scene.mesh.dimension()) {
         (None, 2) => Ok(()),
-        (Some(axis), 2) => Err(Refusal::new(path, json(&axis), "nothing in 2D: the axis is z")),
+        (Some(axis), 2) => Err(Refusal::new(
+            path,
+            json(&axis),
+            "nothing in 2D: the axis is z",
+        )),
         (None, _) => Err(Refusal::new(path, "nothing", "a direction of 3 numbers")),
         (Some(axis), _) => check_vector(&scene.mesh, axis, &path),
     }
