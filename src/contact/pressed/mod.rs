@@ -15,12 +15,12 @@
 //! After P. Alart and A. Curnier (CMAME 92, 1991) for the equations, S. M. Robinson (Math. Oper. Res. 17, 1992) for the normal map.
 
 mod direction;
-mod frozen;
 mod linearisation;
 mod newton;
 mod node;
 mod point;
 mod problem;
+mod replaced;
 mod residual;
 mod solve;
 mod sweep;

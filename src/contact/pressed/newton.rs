@@ -58,9 +58,13 @@ pub(super) struct Budget {
 impl Budget {
     /// Takes one, if there is one.
     pub fn take(&mut self) -> bool {
-        let is_left = self.left > 0;
+        let is_left = !self.is_used_up();
         self.left -= usize::from(is_left);
         is_left
+    }
+
+    pub fn is_used_up(&self) -> bool {
+        self.left == 0
     }
 }
 

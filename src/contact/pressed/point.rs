@@ -13,7 +13,7 @@ pub struct Point {
     /// Imbalance `S v + [lam; -p] - r`, N.
     pub imbalance: Vec<f64>,
     pub nodes: Vec<Node>,
-    /// What a Newton step must decrease.
+    /// Length of the imbalance, N: what a Newton step must decrease.
     pub merit: f64,
 }
 
@@ -58,7 +58,7 @@ impl Point {
             let is_normal = i % problem.size() == normal;
             *imbalance += (if is_normal { -force } else { force }) - problem.r[i];
         }
-        self.merit = merit(problem, &self.imbalance);
+        self.merit = length(&self.imbalance);
     }
 
     pub fn copy_from(&mut self, other: &Point) {
@@ -70,8 +70,8 @@ impl Point {
     }
 }
 
-/// Length of the imbalance, weighed by how much each component yields to a force; NaN where it is not a number.
-fn merit(problem: &PressedProblem, imbalance: &[f64]) -> f64 {
+/// Length of the imbalance, N; NaN where it is not a number.
+fn length(imbalance: &[f64]) -> f64 {
     let mut largest = 0.0;
     for imbalance in imbalance {
         if imbalance.is_nan() {
@@ -82,13 +82,9 @@ fn merit(problem: &PressedProblem, imbalance: &[f64]) -> f64 {
     if largest == 0.0 || largest.is_infinite() {
         return largest;
     }
-    let stiffest = problem.yielding.iter().fold(0.0, |a: f64, b| a.max(*b));
-    let terms = imbalance.iter().zip(problem.yielding);
-    let sum: f64 = terms
-        .map(|(imbalance, yielding)| (imbalance / largest).powi(2) * (yielding / stiffest))
-        .sum();
     // squares of forces may leave the range of numbers
-    largest * sum.sqrt()
+    let squares = imbalance.iter().map(|value| (value / largest).powi(2));
+    largest * squares.sum::<f64>().sqrt()
 }
 
 /// Slopes before anything is known of the forces.

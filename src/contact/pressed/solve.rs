@@ -3,21 +3,24 @@
 //! 1. Newton's method from the warm start (see `newton`).
 //! 2. Sweeps over the nodes, then Newton's method.
 //! 3. Convex problems with frozen bounds, the bounds taken over at once, by half or by a fifth, then Newton's method.
+//! 4. Friction raised in steps from none, then Newton's method.
 //!
 //! No energy decreases along the way: Coulomb friction is not the derivative of one. So whatever led there, a point is accepted by
 //! its residual alone.
 
-use super::frozen;
 use super::linearisation::{PressedPoint, points_len};
 use super::newton::{Budget, Newton, Outcome};
 use super::point::Point;
 use super::problem::PressedProblem;
+use super::replaced;
 use super::residual::worst_node;
 use super::sweep::sweep;
 use crate::linalg::multiply;
 
 /// Sweeps before Newton's method is tried again.
-pub(super) const SWEEPS: usize = 60;
+const SWEEPS: usize = 60;
+/// Sweeps that count as one iteration: about as long as a Newton step takes.
+const SWEEPS_OF_ITERATION: usize = 10;
 /// Newton steps in a row after which something else is tried.
 const STEPS: usize = 40;
 /// Shares of the new bounds that the frozen ones take over.
@@ -26,7 +29,7 @@ const RELAXATIONS: [f64; 3] = [1.0, 0.5, 0.2];
 /// What a solve reached.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PressedSolution {
-    /// Newton steps and sweeps taken, those of frozen bounds included.
+    /// Newton steps and tens of sweeps taken, those with other bounds on the way included.
     pub iterations: usize,
     /// Residual at the accepted point: the imbalance of a node divided by its bound (tangentially) or force (normally).
     pub residual: f64,
@@ -41,7 +44,7 @@ pub struct PressedSolution {
 /// Work done so far in a workspace.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct PressedWork {
-    /// Newton steps, those of frozen bounds included.
+    /// Newton steps, those with other bounds on the way included.
     pub newton: u64,
     /// Matrices factored.
     pub factorizations: u64,
@@ -51,6 +54,8 @@ pub struct PressedWork {
     pub sweeps: u64,
     /// Convex problems with frozen bounds.
     pub frozen: u64,
+    /// Problems with a share of the friction.
+    pub raised: u64,
 }
 
 /// Scratch of the solver, for the problems of one model; never changes a result.
@@ -115,11 +120,11 @@ impl Chain {
     }
 
     /// Some sweeps.
-    pub fn sweep(&mut self, problem: &PressedProblem, count: usize, budget: &mut Budget) {
+    pub fn sweep(&mut self, problem: &PressedProblem, budget: &mut Budget) {
         let point = &mut self.newton.accepted;
         multiply(problem.s, &point.v, &mut self.forces);
-        for _ in 0..count {
-            if !budget.take() {
+        for sweep_count in 0..SWEEPS {
+            if sweep_count.is_multiple_of(SWEEPS_OF_ITERATION) && !budget.take() {
                 break;
             }
             self.work.sweeps += 1;
@@ -141,21 +146,22 @@ impl Chain {
         if first != Outcome::Stalled || !self.best.merit.is_finite() {
             return first;
         }
-        self.sweep(problem, SWEEPS, budget);
+        self.sweep(problem, budget);
         let second = self.newton.descend(problem, tolerance, STEPS, budget, at);
         if self.keep_best(second) {
             return second;
         }
         for relaxation in RELAXATIONS {
-            if !frozen::settle(problem, relaxation, budget, self) {
-                return Outcome::Exhausted;
-            }
+            replaced::settle(problem, relaxation, budget, self);
             let outcome = self.newton.descend(problem, tolerance, STEPS, budget, at);
             if self.keep_best(outcome) {
                 return outcome;
             }
         }
-        Outcome::Stalled
+        replaced::raise(problem, budget, self);
+        let last = self.newton.descend(problem, tolerance, STEPS, budget, at);
+        self.keep_best(last);
+        last
     }
 
     /// Whether this is the end; otherwise the accepted point is kept if it is the best one.
