@@ -148,7 +148,7 @@ fn finish(
     let certificate = certify(
         body,
         cholesky,
-        friction.bounds().weakening(),
+        friction.bounds().weakening(theta_k),
         theta_k,
         |x, y| match &kept.model {
             KeptModel::Reduced(reduced) => {
