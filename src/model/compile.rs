@@ -147,7 +147,7 @@ fn finish(
     let tableau = Tableau::of(scene.scheme());
     let theta_k = tableau.theta() * scene.time.step;
     let law = LawConstants {
-        weakening: friction.bounds().weakening(),
+        weakening: friction.bounds().weakening(theta_k),
         coefficient: friction.needs_pressure().then(|| {
             let nodes = 0..body.contact.node_count();
             let largest = nodes.map(|node| friction.bounds().extremes(node)[0]);

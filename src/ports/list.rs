@@ -404,12 +404,11 @@ impl Ports {
     fn add_coefficients(&mut self, shapes: &Shapes) {
         let (law, places) = (shapes.friction.law(), shapes.friction.places());
         for (i, place) in places.iter().enumerate().filter(|(_, place)| place.len > 0) {
-            let shape: &[usize] = if place.is_array { &[place.len] } else { &[] };
             self.add(
                 law.path(i),
                 law.unit(i),
                 Causality::Parameter,
-                shape,
+                &place.shape(),
                 Quantity::Coefficient(i),
                 "Coefficient of the friction law; may change between steps.",
             );

@@ -35,9 +35,12 @@ fn choose(scene: &Scene, nodes: Option<usize>) -> std::result::Result<ChosenLaw,
     ChosenLaw::new(law, &friction.coefficients, nodes).map_err(|misfit: Misfit| {
         let path = law.path(misfit.coefficient);
         let path = match (misfit.wrong, law.coefficient(misfit.coefficient).extent) {
-            (Wrong::Number, _) | (Wrong::Count, Extent::Points) => path,
+            (Wrong::Number | Wrong::Rows, _) | (Wrong::Count, Extent::Points | Extent::Grid) => {
+                path
+            }
+            (Wrong::Row(row), _) => format!("{path}[{row}]"),
             (Wrong::Count, Extent::Nodes) => format!("{path}.nodes"),
-            (Wrong::Entry(point), Extent::Points) => format!("{path}[{point}]"),
+            (Wrong::Entry(point), Extent::Points | Extent::Grid) => format!("{path}[{point}]"),
             // beside a field, a number is wrong at one of its nodes
             (Wrong::Entry(node), Extent::Nodes) => {
                 match friction.coefficients[misfit.coefficient] {
@@ -47,7 +50,8 @@ fn choose(scene: &Scene, nodes: Option<usize>) -> std::result::Result<ChosenLaw,
             }
         };
         let found = match misfit.wrong {
-            Wrong::Count => format!("{} numbers", misfit.found),
+            Wrong::Count | Wrong::Row(_) => format!("{} numbers", misfit.found),
+            Wrong::Rows => format!("{} rows", misfit.found),
             _ => number(misfit.found).to_string(),
         };
         Refusal::new(path, found, misfit.allowed)

@@ -100,6 +100,15 @@ impl Structure {
                 let key = first_key(self.resolve(v));
                 key.is_some_and(|key| object.contains_key(key))
             }),
+            // lists of numbers and lists of lists are told apart by their first item
+            Value::Array(items) => {
+                let fits = |v: &&Value| {
+                    let own = self.resolve(v).get("items");
+                    let first = items.first().zip(own);
+                    first.is_some_and(|(item, own)| has_type(item, self.resolve(own)))
+                };
+                of_type().find(fits).or_else(|| of_type().next())
+            }
             _ => of_type().next(),
         }
     }

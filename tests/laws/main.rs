@@ -12,12 +12,17 @@ use quadrature::integral;
 use stickslip::contact::SlipPath;
 use stickslip::contact::bounds::Bounds;
 use stickslip::contact::evaluation::{NodalLaw, Nodes};
-use stickslip::contact::law::{ChosenLaw, Coefficient, Extent, Given, Law, Omitted, Role};
+use stickslip::contact::law::{
+    ChosenLaw, Coefficient, Extent, Given, Law, LawBounds, Omitted, Role, Unit,
+};
 
 const STILL: SlipPath = SlipPath {
     base: 0.0,
     per_rate: 0.0,
 };
+
+/// Points of slip in a random surface.
+const SLIPS: usize = 4;
 
 /// The laws whose bounds do not depend on the pressure.
 pub fn laws_in_pascal() -> impl Iterator<Item = Law> {
@@ -48,8 +53,11 @@ fn given(declared: &Coefficient, unit: &str, random: &mut Random, nodes: Option<
         "s/m" => (-1.0, 3.0),
         _ => (-2.0, 0.5),
     };
+    let is_surface = declared.extent == Extent::Grid && random.happens(0.5);
     let count = match (declared.extent, nodes) {
-        (Extent::Points, _) => 6,
+        _ if is_surface => 6 * SLIPS,
+        (Extent::Points, _) if unit == "m" => SLIPS,
+        (Extent::Points | Extent::Grid, _) => 6,
         (Extent::Nodes, Some(nodes)) if random.happens(0.5) => nodes,
         _ => 1,
     };
@@ -58,7 +66,8 @@ fn given(declared: &Coefficient, unit: &str, random: &mut Random, nodes: Option<
     match declared.extent {
         Extent::Nodes if count == 1 => Given::Number(values[0]),
         Extent::Nodes => Given::Nodes(values),
-        Extent::Points => {
+        Extent::Grid if is_surface => Given::Rows(values, vec![SLIPS; 6]),
+        Extent::Points | Extent::Grid => {
             if random.happens(0.5) {
                 values.sort_by(f64::total_cmp);
             }
@@ -67,16 +76,46 @@ fn given(declared: &Coefficient, unit: &str, random: &mut Random, nodes: Option<
     }
 }
 
-/// Where a curve of points may have kinks, which no quadrature may step over: in order.
-fn kinks(chosen: &ChosenLaw) -> Vec<f64> {
+/// Where a law may have kinks, which no quadrature may step over: slip rates, and accumulated slips.
+fn kinks(chosen: &ChosenLaw) -> [Vec<f64>; 2] {
     let law = chosen.law();
-    let declared = law.coefficients().zip(chosen.places());
-    let points = declared.filter(|(declared, _)| declared.extent == Extent::Points);
-    let mut kinks: Vec<f64> = points
-        .flat_map(|(_, place)| chosen.start()[place.range()].to_vec())
-        .collect();
+    let own = law.kind().coefficients().iter().zip(chosen.places());
+    ["m/s", "m"].map(|unit| {
+        let points = own.clone().filter(|(declared, _)| {
+            let is_point = unit == "m" || declared.extent == Extent::Points;
+            is_point && declared.unit == Unit::Own(unit)
+        });
+        points
+            .flat_map(|(_, place)| chosen.start()[place.range()].to_vec())
+            .collect()
+    })
+}
+
+/// Slip rates at which a stage meets kinks, in order.
+fn kinks_along([rates, slips]: &[Vec<f64>; 2], path: SlipPath) -> Vec<f64> {
+    let crossings = slips.iter().map(|slip| (slip - path.base) / path.per_rate);
+    let all = rates.iter().copied().chain(crossings);
+    let mut kinks: Vec<f64> = all.filter(|kink| kink.is_finite() && *kink > 0.0).collect();
     kinks.sort_by(f64::total_cmp);
     kinks
+}
+
+/// The steepest fall over rates and slips: near the kinks of both.
+fn steepest_fall(bounds: &LawBounds, kinks: &[Vec<f64>; 2], per_rate: f64) -> f64 {
+    let near = |points: &[f64]| -> Vec<f64> {
+        let sides = |point: &f64| [point * (1.0 - 1e-9), point * (1.0 + 1e-9)];
+        points.iter().flat_map(sides).chain([0.0]).collect()
+    };
+    // 2 % apart
+    let spread = (0..=1200).map(|i| 10.0_f64.powf(-8.0 + f64::from(i) / 100.0));
+    let rates: Vec<f64> = spread.chain(near(&kinks[0])).collect();
+    let falls = near(&kinks[1]).into_iter().flat_map(|slip| {
+        rates.iter().map(move |rate| {
+            let base = slip - per_rate * rate;
+            -bounds.evaluate(0, *rate, SlipPath { base, per_rate }).slope
+        })
+    });
+    falls.fold(0.0, f64::max)
 }
 
 /// The pieces of an interval between kinks.
@@ -88,7 +127,7 @@ fn pieces(kinks: &[f64], from: f64, to: f64) -> impl Iterator<Item = [f64; 2]> {
     (1..ends.len()).map(move |i| [ends[i - 1], ends[i]])
 }
 
-/// Slope, potential, weakening and extremes are derivative, integral, steepest fall and range of the bound.
+/// Slope, potential, weakening and extremes are derivative, integral, steepest fall and range of the bound along a stage.
 #[test]
 fn formulas_of_a_law_agree() {
     let mut random = Random::new(7);
@@ -96,66 +135,98 @@ fn formulas_of_a_law_agree() {
         let mut seen = 0.0_f64;
         for case in 0..150 {
             let chosen = draw(law, &mut random, None);
-            let label = format!("{law:?} {case}: {:?}", chosen.start());
-            let kinks = kinks(&chosen);
+            let all_kinks = kinks(&chosen);
             let bounds = chosen.bounds();
-            let at = |rate: f64| bounds.evaluate(0, rate, STILL);
-            let bound = |rate: f64| at(rate).bound;
-            assert_eq!(at(0.0).potential, 0.0, "{label}");
-            assert_eq!(bound(0.0), bounds.at_rest(0, STILL), "{label}");
-            // 12 % apart, and one within every piece of a curve
-            let spread = (0..=240).map(|i| 10.0_f64.powf(-8.0 + f64::from(i) / 20.0));
-            let within = kinks.windows(2).map(|ends| 0.5 * (ends[0] + ends[1]));
-            let mut rates: Vec<f64> = spread.chain(within).collect();
-            rates.sort_by(f64::total_cmp);
-            let (mut potential, mut steepest) = (0.0, 0.0_f64);
-            let [largest, smallest] = bounds.extremes(0);
-            let mut before = 0.0;
-            for rate in rates {
-                let found = at(rate);
-                potential += pieces(&kinks, before, rate)
-                    .map(|[a, b]| integral(&bound, a, b))
-                    .sum::<f64>();
-                let scale = potential + bound(0.0) * rate;
-                assert!(
-                    (found.potential - potential).abs() <= 1e-13 * scale,
-                    "{label}: potential at {rate:e}"
-                );
-                assert!(
-                    found.bound >= smallest - 1e-15 * bound(0.0)
-                        && found.bound <= largest * (1.0 + 1e-14),
-                    "{label}: {rate:e}"
-                );
-                // a difference, where no kink is near
-                let d = 1e-5 * rate;
-                let slopes = [at(rate - d).slope, at(rate + d).slope];
-                let difference = (bound(rate + d) - bound(rate - d)) / (2.0 * d);
-                let size = found.bound / rate;
-                if (slopes[0] - slopes[1]).abs() <= 1e-4 * (slopes[0].abs() + size) {
+            let paths = [0.0, random.between(0.001, 1.0)].map(|per_rate| SlipPath {
+                base: random.between(0.0, 0.5),
+                per_rate,
+            });
+            for path in paths {
+                let label = format!("{law:?} {case} {path:?}: {:?}", chosen.start());
+                let kinks = kinks_along(&all_kinks, path);
+                let at = |rate: f64| bounds.evaluate(0, rate, path);
+                let bound = |rate: f64| at(rate).bound;
+                assert_eq!(at(0.0).potential, 0.0, "{label}");
+                assert_eq!(bound(0.0), bounds.at_rest(0, path), "{label}");
+                // 12 % apart, and one within every piece of a curve
+                let spread = (0..=240).map(|i| 10.0_f64.powf(-8.0 + f64::from(i) / 20.0));
+                let within = kinks.windows(2).map(|ends| 0.5 * (ends[0] + ends[1]));
+                let mut rates: Vec<f64> = spread.chain(within).collect();
+                rates.sort_by(f64::total_cmp);
+                let l = bounds.weakening(path.per_rate);
+                let (mut potential, mut steepest) = (0.0, 0.0_f64);
+                let [largest, smallest] = bounds.extremes(0);
+                let noise = if largest.is_finite() {
+                    f64::EPSILON * largest
+                } else {
+                    0.0
+                };
+                let mut before = 0.0;
+                for &rate in &rates {
+                    let found = at(rate);
+                    potential += pieces(&kinks, before, rate)
+                        .map(|[a, b]| integral(&bound, a, b, noise))
+                        .sum::<f64>();
+                    let scale = potential + bound(0.0) * rate;
                     assert!(
-                        (found.slope - difference).abs() <= 1e-8 * size + 1e-6 * found.slope.abs(),
-                        "{label}: slope {:e}, {difference:e} at {rate:e}",
-                        found.slope
+                        (found.potential - potential).abs() <= 2e-13 * scale,
+                        "{label}: potential at {rate:e}: {:e} {potential:e}",
+                        found.potential
                     );
+                    assert!(
+                        found.bound >= smallest - 1e-15 * bound(0.0)
+                            && found.bound <= largest * (1.0 + 1e-14),
+                        "{label}: {rate:e}"
+                    );
+                    // a difference, where no kink is near
+                    let d = 1e-5 * rate;
+                    let slopes = [at(rate - d).slope, at(rate + d).slope];
+                    let difference = (bound(rate + d) - bound(rate - d)) / (2.0 * d);
+                    let size = found.bound / rate;
+                    if (slopes[0] - slopes[1]).abs() <= 1e-4 * (slopes[0].abs() + size) {
+                        assert!(
+                            (found.slope - difference).abs()
+                                <= 1e-8 * size + 1e-6 * found.slope.abs(),
+                            "{label}: slope {:e}, {difference:e} at {rate:e}",
+                            found.slope
+                        );
+                    }
+                    // by the slip at fixed rate
+                    let moved = |by: f64| {
+                        let base = path.base + by;
+                        bounds.evaluate(0, rate, SlipPath { base, ..path }).bound
+                    };
+                    let d = 1e-6;
+                    let own = bounds.slip_slope(0, rate, path);
+                    let [low, high] = [-d, d].map(|d| {
+                        let base = path.base + d;
+                        bounds.slip_slope(0, rate, SlipPath { base, ..path })
+                    });
+                    if (low - high).abs() <= 1e-4 * own.abs() {
+                        let difference = (moved(d) - moved(-d)) / (2.0 * d);
+                        assert!(
+                            (own - difference).abs() <= 1e-6 * own.abs() + 1e-9 * found.bound,
+                            "{label}: by slip {own:e} {difference:e}"
+                        );
+                    }
+                    // between two rates the mean slope is not steeper than the steepest
+                    let mean = (bound(before) - found.bound) / (rate - before);
+                    assert!(
+                        mean <= l * (1.0 + 1e-9) + 1e-12 * bound(0.0) / rate,
+                        "{label}: {mean:e} {l:e}"
+                    );
+                    steepest = steepest.max(-found.slope);
+                    before = rate;
+                    seen += found.bound;
                 }
-                // between two rates the mean slope is not steeper than the steepest
-                let mean = (bound(before) - found.bound) / (rate - before);
-                let l = bounds.weakening();
+                // and it is reached
+                assert!(steepest <= l * (1.0 + 1e-12), "{label}");
+                let reached = steepest_fall(&bounds, &all_kinks, path.per_rate);
                 assert!(
-                    mean <= l * (1.0 + 1e-9) + 1e-12 * bound(0.0) / rate,
-                    "{label}: {mean:e} {l:e}"
+                    reached >= 0.98 * l && reached <= l * (1.0 + 1e-6),
+                    "{label}: {reached:e} of {l:e}"
                 );
-                steepest = steepest.max(-found.slope);
-                before = rate;
-                seen += found.bound;
             }
-            // and it is reached
-            assert!(steepest <= bounds.weakening() * (1.0 + 1e-12), "{label}");
-            assert!(
-                steepest >= 0.98 * bounds.weakening(),
-                "{label}: {steepest:e} of {:e}",
-                bounds.weakening()
-            );
         }
         assert!(seen > 0.0 || law.name() == "frictionless");
     }

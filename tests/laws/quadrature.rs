@@ -28,12 +28,12 @@ const GAUSS: [f64; 4] = [
     0.417_959_183_673_469_4,
 ];
 
-/// Integral of `f` from `a` to `b`: halved until both rules agree to rounding.
-pub fn integral(f: &impl Fn(f64) -> f64, a: f64, b: f64) -> f64 {
-    piece(f, a, b, 0)
+/// Integral of `f` from `a` to `b`: halved until both rules agree to rounding, or to what `f` is known to, `noise`.
+pub fn integral(f: &impl Fn(f64) -> f64, a: f64, b: f64, noise: f64) -> f64 {
+    piece(f, a, b, noise, 0)
 }
 
-fn piece(f: &impl Fn(f64) -> f64, a: f64, b: f64, depth: u32) -> f64 {
+fn piece(f: &impl Fn(f64) -> f64, a: f64, b: f64, noise: f64, depth: u32) -> f64 {
     let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
     let centre = f(middle);
     let (mut kronrod, mut gauss) = (KRONROD[7] * centre, GAUSS[3] * centre);
@@ -44,8 +44,8 @@ fn piece(f: &impl Fn(f64) -> f64, a: f64, b: f64, depth: u32) -> f64 {
             gauss += GAUSS[i / 2] * both;
         }
     }
-    if depth == 45 || (kronrod - gauss).abs() <= 2e-15 * kronrod.abs() {
+    if depth == 45 || (kronrod - gauss).abs() <= 2e-15 * kronrod.abs() + noise {
         return half * kronrod;
     }
-    piece(f, a, middle, depth + 1) + piece(f, middle, b, depth + 1)
+    piece(f, a, middle, noise, depth + 1) + piece(f, middle, b, noise, depth + 1)
 }

@@ -2,8 +2,9 @@
 
 use crate::common::random::Random;
 use crate::common::{largest, paper, started, value, values};
-use crate::{STILL, draw, laws_in_pascal};
+use crate::{draw, laws_in_pascal};
 use serde_json::json;
+use stickslip::contact::SlipPath;
 use stickslip::contact::bounds::Bounds;
 use stickslip::contact::law::{ChosenLaw, Given};
 use stickslip::scene::Friction;
@@ -19,7 +20,13 @@ fn text(chosen: &ChosenLaw) -> String {
             _ if list.is_empty() => Given::Absent,
             (false, _) => Given::Number(list[0]),
             (true, stickslip::contact::law::Extent::Nodes) => Given::Nodes(list),
-            (true, _) => Given::Points(list),
+            (true, _) => match place.columns {
+                Some(columns) => {
+                    let rows = list.len() / columns;
+                    Given::Rows(list, vec![columns; rows])
+                }
+                None => Given::Points(list),
+            },
         }
     });
     let friction = Friction {
@@ -33,8 +40,15 @@ fn text(chosen: &ChosenLaw) -> String {
 fn assert_law_holds(simulator: &Simulator, chosen: &ChosenLaw, label: &str) {
     let stress = values(simulator, "contact.tangential_stress");
     let rates = values(simulator, "contact.slip_rate");
+    let slips = values(simulator, "contact.accumulated_slip");
     let bounds = chosen.bounds();
-    let of = |node: usize, rate: f64| bounds.evaluate(node, rate, STILL).bound;
+    let of = |node: usize, rate: f64| {
+        let path = SlipPath {
+            base: slips[node],
+            per_rate: 0.0,
+        };
+        bounds.evaluate(node, rate, path).bound
+    };
     let scale = (0..rates.len())
         .map(|node| of(node, 0.0))
         .fold(largest(&stress), f64::max);

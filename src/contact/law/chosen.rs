@@ -29,6 +29,9 @@ impl ChosenLaw {
         let (mut places, mut start) = (Vec::with_capacity(given.len()), Vec::new());
         for (coefficient, given) in given.iter().enumerate() {
             let count = given.values().len();
+            if let Some(misfit) = given.unequal_rows(coefficient) {
+                return Err(misfit);
+            }
             if let Given::Nodes(_) = given
                 && *nodes.get_or_insert(count) != count
             {
@@ -84,9 +87,14 @@ impl ChosenLaw {
         }
     }
 
-    /// The bounds as nodal forces that may depend on the normal forces, with numbers as in [`ChosenLaw::with`] and nodal contact
-    /// weights, m^2 (m in 2D).
-    pub fn pressed<'a>(&'a self, values: &'a [f64], weights: &'a [f64]) -> PressedLaw<'a> {
+    /// The bounds as nodal forces that may depend on the normal forces, with numbers as in [`ChosenLaw::with`], nodal contact
+    /// weights, m^2 (m in 2D), in stages where the accumulated slip grows by `per_rate` times the slip rate, s.
+    pub fn pressed<'a>(
+        &'a self,
+        values: &'a [f64],
+        weights: &'a [f64],
+        per_rate: f64,
+    ) -> PressedLaw<'a> {
         let (kind, coefficients) = (self.law.kind(), self.coefficients(values));
         let coulomb = match self.law.role() {
             Role::Own | Role::Bound => None,
@@ -95,7 +103,7 @@ impl ChosenLaw {
                 Some(Coulomb::new(tension, coefficients, first))
             }
         };
-        PressedLaw::new(kind, coefficients, coulomb, weights)
+        PressedLaw::new(kind, coefficients, coulomb, weights, per_rate)
     }
 
     /// The bounds of the scene.
@@ -144,10 +152,15 @@ impl LawBounds<'_> {
         }
     }
 
-    /// L: the largest rate at which the bound of any node decreases with the slip rate, Pa s/m (5.16).
-    pub fn weakening(&self) -> f64 {
+    /// L: the largest rate at which the bound of any node decreases with the slip rate, Pa s/m (5.16), in stages where the
+    /// accumulated slip grows by `per_rate` times the rate, s.
+    pub fn weakening(&self, per_rate: f64) -> f64 {
+        let slip = SlipPath {
+            base: 0.0,
+            per_rate,
+        };
         let nodes = self.coefficients.distinct_nodes();
-        let all = nodes.map(|node| self.law.weakening(self.coefficients, node));
+        let all = nodes.map(|node| self.law.weakening(&self.at(node, 0.0, slip)));
         all.fold(0.0, f64::max)
     }
 

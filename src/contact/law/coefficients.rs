@@ -44,6 +44,8 @@ pub enum Extent {
     Nodes,
     /// To the points of a curve, at least one: the same at all nodes.
     Points,
+    /// To the points of a curve, or to those of a surface in rows of equal length.
+    Grid,
 }
 
 /// Unit of a coefficient.
@@ -133,6 +135,8 @@ pub enum Given {
     Nodes(Vec<f64>),
     /// The points of a curve.
     Points(Vec<f64>),
+    /// The points of a surface row by row, and how many each row has, at least one.
+    Rows(Vec<f64>, Vec<usize>),
     /// Nothing: the law without it ([`Omitted::Without`]).
     Absent,
 }
@@ -142,9 +146,26 @@ impl Given {
     pub fn values(&self) -> &[f64] {
         match self {
             Given::Number(value) => std::slice::from_ref(value),
-            Given::Nodes(values) | Given::Points(values) => values,
+            Given::Nodes(values) | Given::Points(values) | Given::Rows(values, _) => values,
             Given::Absent => &[],
         }
+    }
+
+    /// The first row that is not as long as the first one.
+    pub(super) fn unequal_rows(&self, coefficient: usize) -> Option<Misfit> {
+        let Given::Rows(_, lengths) = self else {
+            return None;
+        };
+        let first = *lengths.first()?;
+        let row = lengths.iter().position(|length| *length != first)?;
+        Some(Misfit {
+            coefficient,
+            wrong: Wrong::Row(row),
+            found: lengths[row] as f64,
+            rule: "rows of equal length",
+            allowed: format!("as many as in the first row: {first}"),
+            beside: None,
+        })
     }
 }
 
@@ -155,17 +176,23 @@ pub struct Place {
     pub len: usize,
     /// Whether it is an array: one number per node, or the points of a curve.
     pub is_array: bool,
+    /// Length of its rows where it is a surface.
+    pub columns: Option<usize>,
     /// Bits of a node's number that choose its entry: all, or none where one number is that of all nodes.
     mask: usize,
 }
 
 impl Place {
     pub fn new(first: usize, given: &Given) -> Place {
-        let is_array = matches!(given, Given::Nodes(_) | Given::Points(_));
+        let is_array = !matches!(given, Given::Number(_) | Given::Absent);
         Place {
             first,
             len: given.values().len(),
             is_array,
+            columns: match given {
+                Given::Rows(_, lengths) => lengths.first().copied(),
+                _ => None,
+            },
             mask: if is_array { usize::MAX } else { 0 },
         }
     }
@@ -173,6 +200,15 @@ impl Place {
     /// Places in the list of all numbers.
     pub fn range(&self) -> std::ops::Range<usize> {
         self.first..self.first + self.len
+    }
+
+    /// Its shape as an array: none for one number.
+    pub fn shape(&self) -> Vec<usize> {
+        match self.columns {
+            Some(columns) => vec![self.len / columns, columns],
+            None if self.is_array => vec![self.len],
+            None => Vec::new(),
+        }
     }
 }
 
@@ -215,6 +251,11 @@ impl<'a> Coefficients<'a> {
     /// The numbers of a coefficient, by its place in the declaration.
     pub fn values(&self, coefficient: usize) -> &'a [f64] {
         &self.values[self.places[coefficient].range()]
+    }
+
+    /// Where the numbers of a coefficient stand.
+    pub fn place(&self, coefficient: usize) -> Place {
+        self.places[coefficient]
     }
 
     /// A coefficient as a field.
@@ -291,6 +332,10 @@ pub enum Wrong {
     Entry(usize),
     /// How many numbers there are.
     Count,
+    /// How many rows there are.
+    Rows,
+    /// How many numbers a row has.
+    Row(usize),
 }
 
 /// Why coefficients do not fit each other.

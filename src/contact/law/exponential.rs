@@ -87,8 +87,8 @@ impl FrictionLaw for Exponential {
         at.coefficient(A)
     }
 
-    fn weakening(&self, coefficients: Coefficients, node: usize) -> f64 {
-        let [a, b, alpha] = [A, B, ALPHA].map(|i| coefficients.at(i, node));
+    fn weakening(&self, at: &At) -> f64 {
+        let [a, b, alpha] = [A, B, ALPHA].map(|i| at.coefficient(i));
         (a - b) * alpha
     }
 

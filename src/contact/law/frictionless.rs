@@ -22,7 +22,7 @@ impl FrictionLaw for Frictionless {
         Evaluation::default()
     }
 
-    fn weakening(&self, _coefficients: Coefficients, _node: usize) -> f64 {
+    fn weakening(&self, _at: &At) -> f64 {
         0.0
     }
 

@@ -25,7 +25,9 @@ mod exponential;
 mod frictionless;
 mod named;
 mod pressed;
+mod slip_weakening;
 mod stribeck;
+mod surface;
 mod table;
 mod tresca;
 
@@ -48,7 +50,12 @@ pub const LAWS: &[&dyn FrictionLaw] = &[
 
 /// Kinds of a bound, `{"law": "bound", "bound": {"kind": name, coefficients}}`, and of the coefficient of Coulomb's law,
 /// `{"law": "coulomb", "coefficient": {"kind": name, coefficients}}`.
-pub const KINDS: &[&dyn FrictionLaw] = &[&exponential::KIND, &stribeck::Stribeck, &table::Table];
+pub const KINDS: &[&dyn FrictionLaw] = &[
+    &exponential::KIND,
+    &stribeck::Stribeck,
+    &slip_weakening::SlipWeakening,
+    &table::Table,
+];
 
 /// What a number in the place of a kind is.
 pub const CONSTANT: &dyn FrictionLaw = &tresca::Tresca;
@@ -130,8 +137,9 @@ pub trait FrictionLaw: Sync {
         0.0
     }
 
-    /// L at a node, Pa s/m: the largest rate at which the bound decreases with the slip rate, 0 where it never does.
-    fn weakening(&self, coefficients: Coefficients, node: usize) -> f64;
+    /// L at a node, Pa s/m: the largest rate at which the bound decreases with the slip rate, 0 where it never does. Over all slip
+    /// rates and accumulated slips; `at` gives the node and how much the slip grows with the rate.
+    fn weakening(&self, at: &At) -> f64;
 
     /// The largest and the smallest bound over all slip rates at a node, Pa: the contact then sticks as much as it can, or slips
     /// as much as it can. Infinite for a bound that rises without limit; the smallest may be below what is reached.

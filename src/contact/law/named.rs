@@ -181,8 +181,10 @@ impl Law {
         let place = match (misfit.wrong, extent) {
             (Wrong::Number, _) => String::new(),
             (Wrong::Count, _) => ", its numbers".to_owned(),
+            (Wrong::Rows, _) => ", its rows".to_owned(),
+            (Wrong::Row(row), _) => format!(", the numbers of row {row}"),
             (Wrong::Entry(node), Extent::Nodes) => format!(" at contact node {node}"),
-            (Wrong::Entry(point), Extent::Points) => format!(" at point {point}"),
+            (Wrong::Entry(point), Extent::Points | Extent::Grid) => format!(" at point {point}"),
         };
         let beside =
             |(other, value): (usize, f64)| format!(", where {} is {value:?}", self.path(other));

@@ -13,21 +13,32 @@ pub struct PressedLaw<'a> {
     /// `None` for a bound in Pa.
     coulomb: Option<Coulomb<'a>>,
     weights: &'a [f64],
+    per_rate: f64,
 }
 
 impl<'a> PressedLaw<'a> {
-    /// `weights`: nodal contact weights, m^2 (m in 2D).
     pub(super) fn new(
         kind: &'static dyn FrictionLaw,
         coefficients: Coefficients<'a>,
         coulomb: Option<Coulomb<'a>>,
         weights: &'a [f64],
+        per_rate: f64,
     ) -> PressedLaw<'a> {
         PressedLaw {
             kind,
             coefficients,
             coulomb,
             weights,
+            per_rate,
+        }
+    }
+
+    fn at(&self, node: usize, rate: f64, slip: SlipPath) -> At<'_> {
+        At {
+            rate,
+            slip,
+            coefficients: self.coefficients,
+            node,
         }
     }
 }
@@ -35,12 +46,7 @@ impl<'a> PressedLaw<'a> {
 impl PressedBounds for PressedLaw<'_> {
     fn evaluate(&self, node: usize, rate: f64, force: f64, slip: SlipPath) -> PressedBound {
         let weight = self.weights[node];
-        let value = self.kind.value(&At {
-            rate,
-            slip,
-            coefficients: self.coefficients,
-            node,
-        });
+        let value = self.kind.value(&self.at(node, rate, slip));
         match &self.coulomb {
             Some(coulomb) => coulomb.bound(node, weight, force, value),
             None => PressedBound {
@@ -56,6 +62,10 @@ impl PressedBounds for PressedLaw<'_> {
             Some(coulomb) => coulomb.pressing(force)[0],
             None => self.weights[node],
         };
-        scale * self.kind.weakening(self.coefficients, node)
+        let slip = SlipPath {
+            base: 0.0,
+            per_rate: self.per_rate,
+        };
+        scale * self.kind.weakening(&self.at(node, 0.0, slip))
     }
 }

@@ -99,9 +99,9 @@ impl FrictionLaw for Stribeck {
         at.coefficient(STATIC)
     }
 
-    fn weakening(&self, coefficients: Coefficients, node: usize) -> f64 {
-        let own = Node::at(&coefficients, node);
-        let exponent = coefficients.at(EXPONENT, node);
+    fn weakening(&self, at: &At) -> f64 {
+        let own = Node::at(&at.coefficients, at.node);
+        let exponent = at.coefficient(EXPONENT);
         let p = 1.0 - 1.0 / exponent;
         let steepest = p.powf(p) * exp_m1_and_exp(-p)[1];
         (own.fall() * (exponent / own.velocity) * steepest - own.viscous).max(0.0)

@@ -36,7 +36,7 @@ impl FrictionLaw for Tresca {
         at.coefficient(BOUND)
     }
 
-    fn weakening(&self, _coefficients: Coefficients, _node: usize) -> f64 {
+    fn weakening(&self, _at: &At) -> f64 {
         0.0
     }
 

@@ -144,6 +144,10 @@ fn coefficient(declared: &Coefficient, unit: &str) -> Value {
     let list = json!({"type": "array", "items": number, "minItems": 1});
     let mut schema = match declared.extent {
         Extent::Points => list,
+        Extent::Grid => {
+            let rows = json!({"type": "array", "items": list, "minItems": 1});
+            json!({"anyOf": [list, rows]})
+        }
         Extent::Nodes => {
             number.insert("description".into(), text.clone().into());
             json!({"anyOf": [number, {
@@ -238,7 +242,12 @@ fn read_given(extent: Extent, value: &Value) -> Option<Given> {
         items.iter().map(Value::as_f64).collect()
     };
     match (extent, value) {
-        (Extent::Points, _) => list(value).map(Given::Points),
+        (Extent::Grid, Value::Array(rows)) if rows.first().is_some_and(Value::is_array) => {
+            let rows: Vec<Vec<f64>> = rows.iter().map(list).collect::<Option<_>>()?;
+            let lengths = rows.iter().map(Vec::len).collect();
+            Some(Given::Rows(rows.concat(), lengths))
+        }
+        (Extent::Points | Extent::Grid, _) => list(value).map(Given::Points),
         (Extent::Nodes, Value::Object(members)) if members.len() == 1 => {
             list(members.get(NODES)?).map(Given::Nodes)
         }
@@ -311,6 +320,15 @@ impl Serialize for Written<'_> {
             Given::Number(value) => value.serialize(to),
             Given::Points(values) => values.serialize(to),
             Given::Nodes(values) => json!({ NODES: values }).serialize(to),
+            Given::Rows(values, lengths) => {
+                let mut rest = values.as_slice();
+                let rows = lengths.iter().map(|length| {
+                    let (row, after) = rest.split_at(*length);
+                    rest = after;
+                    row
+                });
+                to.collect_seq(rows)
+            }
             Given::Absent => to.serialize_none(),
         }
     }
