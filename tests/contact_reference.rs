@@ -42,6 +42,10 @@ fn coefficient(law: &Value) -> Value {
             "static": law["mu_s"], "kinetic": law["mu_k"], "velocity": law["v_s"],
             "exponent": law["delta"], "viscous": law["c"],
         }),
+        "slip_weakening" => json!({
+            "kind": "slip_weakening",
+            "static": law["mu_s"], "dynamic": law["mu_d"], "distance": law["D_c"],
+        }),
         "table" => json!({"kind": "table", "rate": law["r"], "value": law["mu"]}),
         other => panic!("unknown law {other}"),
     }
@@ -226,6 +230,11 @@ fn bilateral_that_weakens() {
 fn laws_of_the_slip_rate() {
     check("stribeck_viscous");
     check("table_law");
+}
+
+#[test]
+fn law_of_the_accumulated_slip() {
+    check("slip_weakening");
 }
 
 #[test]

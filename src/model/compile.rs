@@ -22,6 +22,7 @@ use crate::mesh::Mesh;
 use crate::model::Model;
 use crate::progress::{Phase, Watch};
 use crate::scene::{ModelKind, Scene};
+use crate::state::State;
 use crate::time::scheme::Tableau;
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -113,7 +114,50 @@ impl Compilation {
         finish(scene, &self.body, &self.cholesky, &self.kept, None).map(Arc::new)
     }
 
-    /// Values at the free dofs of a displacement or velocity of the body (`State::displacement`, `State::velocity`).
+    /// Displacements of all nodes in a state, m, global axes (z = 0 in 2D); driven parts have moved as they were driven.
+    ///
+    /// # Errors
+    /// Those of [`Compilation::field`].
+    pub fn nodal_displacement(&self, state: &State) -> Result<Vec<[f64; 3]>> {
+        self.nodal(state.displacement(), |drive| {
+            state.drive_displacement[drive]
+        })
+    }
+
+    /// Velocities of all nodes in a state, m/s, as [`Compilation::nodal_displacement`].
+    ///
+    /// # Errors
+    /// Those of [`Compilation::field`].
+    pub fn nodal_velocity(&self, state: &State) -> Result<Vec<[f64; 3]>> {
+        let motions = self.model.motions();
+        self.nodal(state.velocity(), |drive| {
+            state.loads[motions.drive_input(drive)]
+        })
+    }
+
+    fn nodal(&self, states: &[f64], drive: impl Fn(usize) -> f64) -> Result<Vec<[f64; 3]>> {
+        let mut field = self.field(states)?;
+        let drives = &self.body.drives;
+        for (i, shape) in drives.shapes.iter().enumerate() {
+            let by = drive(i);
+            for (value, unit) in field.iter_mut().zip(shape) {
+                *value += by * unit;
+            }
+        }
+        let mut nodal = self.body.displacement(&field);
+        for (i, given) in drives.fields.iter().enumerate() {
+            let by = drive(i);
+            for (node, unit) in given {
+                for (value, unit) in nodal[*node as usize].iter_mut().zip(unit) {
+                    *value += by * unit;
+                }
+            }
+        }
+        Ok(nodal)
+    }
+
+    /// Values at the free dofs of a displacement or velocity of the body (`State::displacement`, `State::velocity`), without what
+    /// driven parts add to it.
     ///
     /// # Errors
     /// [`Error::NotPositiveDefinite`]; not for a body that could be compiled.

@@ -46,7 +46,7 @@ pub(crate) fn follow(
     follow_with(model, state, |state| {
         for i in 0..steps {
             let at = |instant: f64| part.at((f64::from(i) + instant) / f64::from(steps));
-            solve_stages(model, state, ws, k, &at, &mut Alone)?;
+            solve_stages(model, state, ws, k, at, &mut Alone)?;
             let last = model.tableau().stages().len();
             ws.velocities[last].store_into(state);
             integrate_solution(model.tableau(), state, &ws.velocities[..=last], k);

@@ -214,7 +214,9 @@ fn solve_with_pressure(
 ) -> Solved {
     let settings = model.solver();
     let weights = &model.contact().weights;
-    let bounds = model.friction().pressed(&state.coefficients, weights);
+    let bounds = model
+        .friction()
+        .pressed(&state.coefficients, weights, theta_k);
     let at = PressedStage {
         model,
         stage: ws.stages.current(),

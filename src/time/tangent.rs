@@ -299,7 +299,9 @@ impl Tangents {
         let stage = ws.stages.get(body, theta_k, &mut ws.scratch)?;
         let bounds = model.friction().with(&state.coefficients);
         let weights = &model.contact().weights;
-        let pressed_bounds = model.friction().pressed(&state.coefficients, weights);
+        let pressed_bounds = model
+            .friction()
+            .pressed(&state.coefficients, weights, theta_k);
         let at = PressedStage {
             model,
             stage,
