@@ -35,9 +35,9 @@ fn choose(scene: &Scene, nodes: Option<usize>) -> std::result::Result<ChosenLaw,
     ChosenLaw::new(law, &friction.coefficients, nodes).map_err(|misfit: Misfit| {
         let path = law.path(misfit.coefficient);
         let path = match (misfit.wrong, law.coefficient(misfit.coefficient).extent) {
-            (Wrong::Number | Wrong::Rows, _) | (Wrong::Count, Extent::Points | Extent::Grid) => {
-                path
-            }
+            (Wrong::Number | Wrong::Rows, _)
+            | (_, Extent::Choice(_))
+            | (Wrong::Count, Extent::Points | Extent::Grid) => path,
             (Wrong::Row(row), _) => format!("{path}[{row}]"),
             (Wrong::Count, Extent::Nodes) => format!("{path}.nodes"),
             (Wrong::Entry(point), Extent::Points | Extent::Grid) => format!("{path}[{point}]"),

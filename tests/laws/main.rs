@@ -5,6 +5,7 @@ mod common;
 mod pressed;
 mod problems;
 mod quadrature;
+mod rate_and_state;
 mod scenes;
 
 use common::random::Random;
@@ -24,10 +25,15 @@ const STILL: SlipPath = SlipPath {
 /// Points of slip in a random surface.
 const SLIPS: usize = 4;
 
-/// The laws whose bounds do not depend on the pressure.
-pub fn laws_in_pascal() -> impl Iterator<Item = Law> {
+/// The laws with a potential.
+pub fn with_potential() -> impl Iterator<Item = Law> {
     let all = Law::all().into_iter();
-    all.filter(|law| !matches!(law.role(), Role::Coulomb { .. }))
+    all.filter(|law| law.kind().has_potential())
+}
+
+/// Those of them whose bounds do not depend on the pressure.
+pub fn laws_in_pascal() -> impl Iterator<Item = Law> {
+    with_potential().filter(|law| !matches!(law.role(), Role::Coulomb { .. }))
 }
 
 /// A law with random coefficients, drawn from what it declares; with `nodes` some of them are fields.
@@ -48,6 +54,9 @@ fn given(declared: &Coefficient, unit: &str, random: &mut Random, nodes: Option<
     if declared.omitted == Omitted::Without && random.happens(0.5) {
         return Given::Absent;
     }
+    if let Extent::Choice(words) = declared.extent {
+        return Given::Choice(random.below(words.len()));
+    }
     let (low, high) = match unit {
         "Pa" => (-3.0, -0.5),
         "s/m" => (-1.0, 3.0),
@@ -66,6 +75,7 @@ fn given(declared: &Coefficient, unit: &str, random: &mut Random, nodes: Option<
     match declared.extent {
         Extent::Nodes if count == 1 => Given::Number(values[0]),
         Extent::Nodes => Given::Nodes(values),
+        Extent::Choice(_) => unreachable!("has no numbers"),
         Extent::Grid if is_surface => Given::Rows(values, vec![SLIPS; 6]),
         Extent::Points | Extent::Grid => {
             if random.happens(0.5) {
@@ -131,7 +141,7 @@ fn pieces(kinks: &[f64], from: f64, to: f64) -> impl Iterator<Item = [f64; 2]> {
 #[test]
 fn formulas_of_a_law_agree() {
     let mut random = Random::new(7);
-    for law in Law::all() {
+    for law in with_potential() {
         let mut seen = 0.0_f64;
         for case in 0..150 {
             let chosen = draw(law, &mut random, None);
@@ -236,7 +246,7 @@ fn formulas_of_a_law_agree() {
 #[test]
 fn all_nodes_at_once_are_the_nodes_one_by_one() {
     let mut random = Random::new(11);
-    for law in Law::all() {
+    for law in with_potential() {
         for nodes in [None, Some(13)] {
             for _ in 0..20 {
                 let chosen = draw(law, &mut random, nodes);

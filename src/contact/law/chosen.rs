@@ -1,7 +1,9 @@
 //! A law with numbers: the layout of its coefficients, and the bounds that they give at the contact nodes.
 
 use super::coulomb::Coulomb;
-use super::{At, Coefficients, FrictionLaw, Given, Law, Misfit, Place, PressedLaw, Role, Wrong};
+use super::{
+    At, Coefficients, FrictionLaw, Given, Law, MemoryPath, Misfit, Place, PressedLaw, Role, Wrong,
+};
 use crate::contact::bounds::Bounds;
 use crate::contact::evaluation::{Evaluation, NodalLaw, Nodes, SlipPath};
 use crate::error::Result;
@@ -72,10 +74,29 @@ impl ChosenLaw {
         Coefficients::new(self.law.kind().coefficients(), &self.places, values)
     }
 
-    /// Whether the bounds depend on the normal forces: then [`ChosenLaw::pressed`] has them, and [`ChosenLaw::with`] only what
-    /// the law says of its coefficient of friction.
+    /// Whether the law is solved with normal forces: its bounds depend on them, or have no potential. Then [`ChosenLaw::pressed`]
+    /// has the bounds, and [`ChosenLaw::with`] only what the law says of its coefficient of friction, or NaN.
     pub fn needs_pressure(&self) -> bool {
-        matches!(self.law.role(), Role::Coulomb { .. })
+        let is_coulomb = matches!(self.law.role(), Role::Coulomb { .. });
+        is_coulomb || !self.law.kind().has_potential()
+    }
+
+    /// Whether every node has a state: then [`PressedLaw::remembering`] gives the bounds their memory.
+    pub fn has_memory(&self) -> bool {
+        self.initial_state(&self.start, 0).is_some()
+    }
+
+    /// State of a node at the start, s, with numbers as in [`ChosenLaw::with`]; `None` for a law without memory.
+    pub fn initial_state(&self, values: &[f64], node: usize) -> Option<f64> {
+        let kind = self.law.kind();
+        kind.initial_state(self.coefficients(values), node)
+    }
+
+    /// State of a node after a stage with this slip rate, m/s >= 0, s; without memory the one before. `path.mean_rate` moves it:
+    /// for a whole step at a constant rate, a share of 1.
+    pub fn advance(&self, values: &[f64], node: usize, path: MemoryPath, rate: f64) -> f64 {
+        let kind = self.law.kind();
+        kind.advance(self.coefficients(values), node, path, rate)
     }
 
     /// The bounds that other numbers give, all of them in the order of [`ChosenLaw::places`].
@@ -149,18 +170,30 @@ impl LawBounds<'_> {
             slip,
             coefficients: self.coefficients,
             node,
+            memory: MemoryPath::NONE,
         }
     }
 
     /// L: the largest rate at which the bound of any node decreases with the slip rate, Pa s/m (5.16), in stages where the
-    /// accumulated slip grows by `per_rate` times the rate, s.
+    /// accumulated slip grows by `per_rate` times the rate, s, and memory begins as it does at the start.
     pub fn weakening(&self, per_rate: f64) -> f64 {
         let slip = SlipPath {
             base: 0.0,
             per_rate,
         };
         let nodes = self.coefficients.distinct_nodes();
-        let all = nodes.map(|node| self.law.weakening(&self.at(node, 0.0, slip)));
+        let all = nodes.map(|node| {
+            let memory = match self.law.initial_state(self.coefficients, node) {
+                Some(state) => MemoryPath {
+                    state,
+                    length: per_rate,
+                    ..MemoryPath::NONE
+                },
+                None => MemoryPath::NONE,
+            };
+            let at = self.at(node, 0.0, slip);
+            self.law.weakening(&At { memory, ..at })
+        });
         all.fold(0.0, f64::max)
     }
 

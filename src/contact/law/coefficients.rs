@@ -46,6 +46,8 @@ pub enum Extent {
     Points,
     /// To the points of a curve, or to those of a surface in rows of equal length.
     Grid,
+    /// To nothing: one of these words, which is no port.
+    Choice(&'static [&'static str]),
 }
 
 /// Unit of a coefficient.
@@ -137,6 +139,8 @@ pub enum Given {
     Points(Vec<f64>),
     /// The points of a surface row by row, and how many each row has, at least one.
     Rows(Vec<f64>, Vec<usize>),
+    /// A word, by its place among those that may be chosen.
+    Choice(usize),
     /// Nothing: the law without it ([`Omitted::Without`]).
     Absent,
 }
@@ -147,7 +151,7 @@ impl Given {
         match self {
             Given::Number(value) => std::slice::from_ref(value),
             Given::Nodes(values) | Given::Points(values) | Given::Rows(values, _) => values,
-            Given::Absent => &[],
+            Given::Choice(_) | Given::Absent => &[],
         }
     }
 
@@ -178,13 +182,15 @@ pub struct Place {
     pub is_array: bool,
     /// Length of its rows where it is a surface.
     pub columns: Option<usize>,
+    /// The word that is chosen.
+    choice: usize,
     /// Bits of a node's number that choose its entry: all, or none where one number is that of all nodes.
     mask: usize,
 }
 
 impl Place {
     pub fn new(first: usize, given: &Given) -> Place {
-        let is_array = !matches!(given, Given::Number(_) | Given::Absent);
+        let is_array = matches!(given, Given::Nodes(_) | Given::Points(_) | Given::Rows(..));
         Place {
             first,
             len: given.values().len(),
@@ -192,6 +198,10 @@ impl Place {
             columns: match given {
                 Given::Rows(_, lengths) => lengths.first().copied(),
                 _ => None,
+            },
+            choice: match given {
+                Given::Choice(choice) => *choice,
+                _ => 0,
             },
             mask: if is_array { usize::MAX } else { 0 },
         }
@@ -271,6 +281,17 @@ impl<'a> Coefficients<'a> {
     #[inline(always)]
     pub fn at(&self, coefficient: usize, node: usize) -> f64 {
         self.field(coefficient).at(node)
+    }
+
+    /// A coefficient at a node, unless the law is without it.
+    pub fn get(&self, coefficient: usize, node: usize) -> Option<f64> {
+        let is_there = self.places[coefficient].len > 0;
+        is_there.then(|| self.at(coefficient, node))
+    }
+
+    /// The word that is chosen, by its place.
+    pub fn choice(&self, coefficient: usize) -> usize {
+        self.places[coefficient].choice
     }
 
     /// How many numbers each coefficient has that is given node by node.

@@ -23,8 +23,10 @@ mod coefficients;
 mod coulomb;
 mod exponential;
 mod frictionless;
+mod memory;
 mod named;
 mod pressed;
+mod rate_and_state;
 mod slip_weakening;
 mod stribeck;
 mod surface;
@@ -35,6 +37,7 @@ pub use chosen::{ChosenLaw, LawBounds};
 pub use coefficients::{
     Coefficient, Coefficients, Extent, Field, Given, Misfit, Omitted, Place, Range, Unit, Wrong,
 };
+pub use memory::{Memory, MemoryPath};
 pub use named::{Law, Role};
 pub use pressed::PressedLaw;
 
@@ -55,6 +58,7 @@ pub const KINDS: &[&dyn FrictionLaw] = &[
     &stribeck::Stribeck,
     &slip_weakening::SlipWeakening,
     &table::Table,
+    &rate_and_state::RateAndState,
 ];
 
 /// What a number in the place of a kind is.
@@ -72,6 +76,8 @@ pub struct At<'a> {
     pub slip: SlipPath,
     pub coefficients: Coefficients<'a>,
     pub node: usize,
+    /// The state of a law with memory along the stage.
+    pub memory: MemoryPath,
 }
 
 impl At<'_> {
@@ -89,11 +95,17 @@ pub struct Value {
     pub value: f64,
     /// Its slope along the stage.
     pub by_rate: f64,
+    /// Its derivative by the pressure, 1/Pa times its own unit.
+    pub by_pressure: f64,
 }
 
 impl Value {
     pub fn new(value: f64, by_rate: f64) -> Value {
-        Value { value, by_rate }
+        Value {
+            value,
+            by_rate,
+            by_pressure: 0.0,
+        }
     }
 }
 
@@ -118,7 +130,28 @@ pub trait FrictionLaw: Sync {
         Ok(())
     }
 
-    /// Bound, slope along the stage and potential at one node.
+    /// Whether the law has a potential. One without is solved as bounds under normal forces are, also where it knows no pressure.
+    fn has_potential(&self) -> bool {
+        true
+    }
+
+    /// State of a node at the start, s, positive; `None` for a law without memory.
+    fn initial_state(&self, _coefficients: Coefficients, _node: usize) -> Option<f64> {
+        None
+    }
+
+    /// State of a node at the end of a stage with this slip rate, s.
+    fn advance(
+        &self,
+        _coefficients: Coefficients,
+        _node: usize,
+        path: MemoryPath,
+        _rate: f64,
+    ) -> f64 {
+        path.state
+    }
+
+    /// Bound, slope along the stage and potential at one node; the potential of a law without is NaN.
     fn evaluate(&self, at: &At) -> Evaluation;
 
     /// Bound and slope of [`FrictionLaw::evaluate`], with less work where a law has a costly potential.
@@ -138,7 +171,8 @@ pub trait FrictionLaw: Sync {
     }
 
     /// L at a node, Pa s/m: the largest rate at which the bound decreases with the slip rate, 0 where it never does. Over all slip
-    /// rates and accumulated slips; `at` gives the node and how much the slip grows with the rate.
+    /// rates and accumulated slips; `at` gives the node, how much the slip grows with the rate, and the memory. May be above the
+    /// largest rate where that has no closed form.
     fn weakening(&self, at: &At) -> f64;
 
     /// The largest and the smallest bound over all slip rates at a node, Pa: the contact then sticks as much as it can, or slips
@@ -154,6 +188,7 @@ pub trait FrictionLaw: Sync {
                 slip,
                 coefficients,
                 node,
+                memory: MemoryPath::NONE,
             })
         });
     }
@@ -170,6 +205,7 @@ pub trait FrictionLaw: Sync {
                 slip,
                 coefficients,
                 node,
+                memory: MemoryPath::NONE,
             };
             weight * self.at_rest(&at)
         });

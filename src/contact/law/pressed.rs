@@ -1,7 +1,7 @@
 //! The bounds of any law as nodal forces that may depend on the normal forces.
 
 use super::coulomb::Coulomb;
-use super::{At, Coefficients, FrictionLaw};
+use super::{At, Coefficients, FrictionLaw, Memory, MemoryPath};
 use crate::contact::evaluation::SlipPath;
 use crate::contact::pressed::{PressedBound, PressedBounds};
 
@@ -14,6 +14,7 @@ pub struct PressedLaw<'a> {
     coulomb: Option<Coulomb<'a>>,
     weights: &'a [f64],
     per_rate: f64,
+    memory: Option<Memory<'a>>,
 }
 
 impl<'a> PressedLaw<'a> {
@@ -30,6 +31,15 @@ impl<'a> PressedLaw<'a> {
             coulomb,
             weights,
             per_rate,
+            memory: None,
+        }
+    }
+
+    /// The law with the memory of a stage. A law with memory that is asked without one answers NaN.
+    pub fn remembering(self, memory: Memory<'a>) -> PressedLaw<'a> {
+        PressedLaw {
+            memory: Some(memory),
+            ..self
         }
     }
 
@@ -39,6 +49,10 @@ impl<'a> PressedLaw<'a> {
             slip,
             coefficients: self.coefficients,
             node,
+            memory: match &self.memory {
+                Some(memory) => memory.path(node),
+                None => MemoryPath::NONE,
+            },
         }
     }
 }

@@ -144,6 +144,7 @@ fn coefficient(declared: &Coefficient, unit: &str) -> Value {
     let list = json!({"type": "array", "items": number, "minItems": 1});
     let mut schema = match declared.extent {
         Extent::Points => list,
+        Extent::Choice(words) => json!({"type": "string", "enum": words}),
         Extent::Grid => {
             let rows = json!({"type": "array", "items": list, "minItems": 1});
             json!({"anyOf": [list, rows]})
@@ -247,6 +248,11 @@ fn read_given(extent: Extent, value: &Value) -> Option<Given> {
             let lengths = rows.iter().map(Vec::len).collect();
             Some(Given::Rows(rows.concat(), lengths))
         }
+        (Extent::Choice(words), _) => {
+            let word = value.as_str()?;
+            let choice = words.iter().position(|known| *known == word);
+            choice.map(Given::Choice)
+        }
         (Extent::Points | Extent::Grid, _) => list(value).map(Given::Points),
         (Extent::Nodes, Value::Object(members)) if members.len() == 1 => {
             list(members.get(NODES)?).map(Given::Nodes)
@@ -271,11 +277,13 @@ impl Serialize for Friction {
         let mut map = to.serialize_map(None)?;
         map.serialize_entry("law", name)?;
         match given {
-            [number] if self.law.is_number() => map.serialize_entry(key, &Written(number))?,
+            [number] if self.law.is_number() => {
+                map.serialize_entry(key, &Written(&own[0], number))?
+            }
             _ => map.serialize_entry(key, &tag("kind"))?,
         }
         for (declared, given) in present(role.coefficients(), of_role) {
-            map.serialize_entry(declared.name, &Written(given))?;
+            map.serialize_entry(declared.name, &Written(declared, given))?;
         }
         if let Role::Coulomb { tension: true } = role {
             map.serialize_entry(TENSION, &true)?;
@@ -305,18 +313,18 @@ impl Serialize for Listed<'_> {
         let mut map = to.serialize_map(None)?;
         map.serialize_entry(self.tag.0, self.tag.1)?;
         for (declared, given) in present(self.declared, self.given) {
-            map.serialize_entry(declared.name, &Written(given))?;
+            map.serialize_entry(declared.name, &Written(declared, given))?;
         }
         map.end()
     }
 }
 
 /// A coefficient as a scene writes it.
-struct Written<'a>(&'a Given);
+struct Written<'a>(&'a Coefficient, &'a Given);
 
 impl Serialize for Written<'_> {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        match self.0 {
+        match self.1 {
             Given::Number(value) => value.serialize(to),
             Given::Points(values) => values.serialize(to),
             Given::Nodes(values) => json!({ NODES: values }).serialize(to),
@@ -329,6 +337,10 @@ impl Serialize for Written<'_> {
                 });
                 to.collect_seq(rows)
             }
+            Given::Choice(choice) => match self.0.extent {
+                Extent::Choice(words) => words.get(*choice).serialize(to),
+                _ => to.serialize_none(),
+            },
             Given::Absent => to.serialize_none(),
         }
     }
