@@ -46,9 +46,22 @@ fn coefficient(law: &Value) -> Value {
             "kind": "slip_weakening",
             "static": law["mu_s"], "dynamic": law["mu_d"], "distance": law["D_c"],
         }),
+        "rate_state" => json!({
+            "kind": "rate_and_state",
+            "coefficient": law["mu0"], "a": law["a"], "b": law["b"], "rate": law["V0"],
+            "distance": law["D_c"], "evolution": law["evolution"],
+        }),
         "table" => json!({"kind": "table", "rate": law["r"], "value": law["mu"]}),
         other => panic!("unknown law {other}"),
     }
+}
+
+fn coefficient_of(contact: &Value) -> Value {
+    let mut law = coefficient(&contact["friction"]);
+    if !contact["theta0"].is_null() {
+        law["initial_state"] = contact["theta0"].clone();
+    }
+    law
 }
 
 fn condition(contact: &Value) -> Value {
@@ -121,7 +134,7 @@ fn scene_of(file: &Value, model: &str) -> Scene {
         "contact": {
             "part": contact["part"], "condition": condition(contact), "foundation": foundation,
             "friction": {
-                "law": "coulomb", "coefficient": coefficient(&contact["friction"]),
+                "law": "coulomb", "coefficient": coefficient_of(contact),
                 "tension": contact["bound_uses"] == "abs",
             },
         },
@@ -187,6 +200,9 @@ const FIELDS: [(&str, &str); 4] = [
 fn check(name: &str) {
     let file = load(name);
     let mut fields = FIELDS.to_vec();
+    if file["contact"]["friction"]["law"] == "rate_state" {
+        fields.push(("friction_state", "theta"));
+    }
     if file["contact"]["normal"] != "bilateral" {
         fields.push(("gap", "gap"));
     }
@@ -235,6 +251,12 @@ fn laws_of_the_slip_rate() {
 #[test]
 fn law_of_the_accumulated_slip() {
     check("slip_weakening");
+}
+
+#[test]
+fn laws_with_a_state_of_their_own() {
+    check("rate_state_aging");
+    check("rate_state_slip_law");
 }
 
 #[test]

@@ -83,6 +83,7 @@ impl Follows {
             | Quantity::Coefficient(_)
             | Quantity::Slip
             | Quantity::AccumulatedSlip
+            | Quantity::FrictionState
             | Quantity::LoadDisplacement(_)
             | Quantity::DriveDisplacement(_)
             | Quantity::ProbeDisplacement(_)

@@ -145,7 +145,7 @@ fn read_parts(from: &mut Reader, scene: &Scene) -> Result<Parts> {
         }
     };
     let [c0_squared, l_g, m_a, l_b, sharp_instant, sharp_step] = array(from)?;
-    let coulomb = match scene.contact.friction.needs_pressure() {
+    let coulomb = match scene.contact.friction.is_coulomb() {
         false => None,
         true => Some(CoulombConstants {
             coefficient: match from.float()? {

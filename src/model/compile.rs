@@ -192,7 +192,7 @@ fn finish(
     let theta_k = tableau.theta() * scene.time.step;
     let law = LawConstants {
         weakening: friction.bounds().weakening(theta_k),
-        coefficient: friction.needs_pressure().then(|| {
+        coefficient: scene.contact.friction.is_coulomb().then(|| {
             let nodes = 0..body.contact.node_count();
             let largest = nodes.map(|node| friction.bounds().extremes(node)[0]);
             largest.fold(0.0, f64::max)

@@ -30,11 +30,13 @@ impl Quantity {
         use Quantity::*;
         match self {
             Input(_) | TangentialStress | SlipRate | Slip | AccumulatedSlip | ContactForce
-            | Pressure | Gap | NormalForce | MeanTangentialStress | MeanSlipRate | MeanPressure
-            | LoadDisplacement(_) | LoadVelocity(_) | ProbeDisplacement(_) | ProbeVelocity(_)
-            | DriveDisplacement(_) | DriveVelocity(_) | DriveForce(_) | FoundationForce(_)
-            | ExternalWork | ElasticEnergy | ViscousDissipation | FrictionDissipation
-            | BalanceError | Coefficient(_) => Tangent::Linear,
+            | Pressure | Gap | NormalForce | FrictionState | MeanTangentialStress
+            | MeanSlipRate | MeanPressure | LoadDisplacement(_) | LoadVelocity(_)
+            | ProbeDisplacement(_) | ProbeVelocity(_) | DriveDisplacement(_) | DriveVelocity(_)
+            | DriveForce(_) | FoundationForce(_) | ExternalWork | ElasticEnergy
+            | ViscousDissipation | FrictionDissipation | BalanceError | Coefficient(_) => {
+                Tangent::Linear
+            }
             Stick | Status | StickFraction | OpenFraction | Iterations | Residual | Solutions
             | SolutionGap | ErrorEstimate | LostDigits => Tangent::Zero,
             MaxSlipRate => Tangent::LargestRate,
@@ -50,7 +52,7 @@ impl Quantity {
             LoadDisplacement(load) => Slope::Is(LoadVelocity(load)),
             ProbeDisplacement(probe) => Slope::Is(ProbeVelocity(probe)),
             DriveDisplacement(drive) => Slope::Is(DriveVelocity(drive)),
-            Input(_) | Pressure | Gap | Status | NormalForce | OpenFraction
+            Input(_) | FrictionState | Pressure | Gap | Status | NormalForce | OpenFraction
             | MeanTangentialStress | MeanSlipRate | MeanPressure | DriveVelocity(_)
             | DriveForce(_) | FoundationForce(_) | TangentialStress | SlipRate | Stick
             | ContactForce | MaxSlipRate | StickFraction | LoadVelocity(_) | ProbeVelocity(_)

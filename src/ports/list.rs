@@ -121,6 +121,11 @@ impl Ports {
                 text,
             );
         }
+        if shapes.friction.has_memory() {
+            let text = "State of the friction law.";
+            let name = "contact.friction_state";
+            self.add(name, "s", Output, nodal, Quantity::FrictionState, text);
+        }
         if shapes.has_means {
             let text = "Mean pressure over the last internal step.";
             self.add(

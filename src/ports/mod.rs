@@ -36,6 +36,7 @@ pub enum Quantity {
     Status,
     NormalForce,
     OpenFraction,
+    FrictionState,
     MaxSlipRate,
     StickFraction,
     MeanTangentialStress,

@@ -65,6 +65,7 @@ pub(crate) fn read(model: &Model, state: &State, port: &Port, out: &mut [f64]) {
         }
         Quantity::Pressure => return pressures(&state.main.instant.normal_force, out),
         Quantity::MeanPressure => return pressures(&state.mean_normal_force, out),
+        Quantity::FrictionState => return out.copy_from_slice(&state.main.friction_state),
         Quantity::MeanSlipRate => return out.copy_from_slice(&state.mean_slip_rate),
         Quantity::MeanTangentialStress => {
             for (i, out) in out.iter_mut().enumerate() {

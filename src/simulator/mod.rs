@@ -111,6 +111,7 @@ impl Simulator {
             state.loads.copy_from_slice(&state.inputs);
             state.needs_settling = 0;
             input_course::start(model, state);
+            state.start_memory(model);
             settle(model, state, ws, input_course::start_approach(model, state))?;
             second::start(model, state);
             control::start(model, state);

@@ -37,6 +37,8 @@ pub(crate) struct Sizes {
     /// Whether contact has a normal component, and steps have means apart from the values at their ends.
     pub has_normal: bool,
     pub has_means: bool,
+    /// Whether the friction law has a state of its own.
+    pub has_memory: bool,
     pub coefficients: usize,
     /// Whether there is a second solution.
     pub has_second: bool,

@@ -152,6 +152,7 @@ impl State {
             foundation: model.motions().foundation.len(),
             has_normal: model.contact().has_normal,
             has_means: !model.tableau().ends_with_stage(),
+            has_memory: model.friction().has_memory(),
             coefficients: model.friction().start().len(),
             has_second: model.has_error_estimate(),
             can_lose_digits: model.can_lose_digits(model.largest_step()),
@@ -169,6 +170,7 @@ impl State {
         state.loads.copy_from_slice(start);
         state.inputs.copy_from_slice(start);
         state.coefficients.copy_from_slice(coefficients);
+        state.start_memory(model);
         for (kind, points) in state.blocks_mut().filter(|(_, block)| !block.is_empty()) {
             match kind {
                 Kind::Marks => clear_points(points),
@@ -177,6 +179,19 @@ impl State {
             }
         }
         state
+    }
+
+    /// The friction law has its first state.
+    pub(crate) fn start_memory(&mut self, model: &Model) {
+        for (node, state) in self.main.friction_state.iter_mut().enumerate() {
+            *state = model
+                .friction()
+                .initial_state(&self.coefficients, node)
+                .unwrap_or_default();
+        }
+        if let Some(second) = &mut self.second {
+            second.friction_state.clone_from(&self.main.friction_state);
+        }
     }
 
     /// Zeros: the tangent of a state that depends on nothing yet.

@@ -65,6 +65,15 @@ impl State {
                 )?,
             }
         }
+        let of_second = self.second.iter().flat_map(|s| &s.friction_state);
+        ensure(
+            self.main
+                .friction_state
+                .iter()
+                .chain(of_second)
+                .all(|v| *v > 0.0),
+            "a state of the friction law is not positive",
+        )?;
         if self.is_initialized == 1 && model.tolerance().is_some() {
             // sizes grow from the proposed one by factors: from zero they never would
             let proposed = self.control[control::PROPOSED];

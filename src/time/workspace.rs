@@ -19,6 +19,8 @@ pub(crate) struct Velocity {
     pub magnitude: Vec<f64>,
     /// The inputs there.
     pub load: Vec<f64>,
+    /// State of the friction law there, where it has one.
+    pub friction_state: Vec<f64>,
     can_open: bool,
 }
 
@@ -29,6 +31,7 @@ impl Velocity {
             instant: Instant::allocate(&sizes),
             magnitude: vec![0.0; sizes.nodes],
             load: vec![0.0; sizes.inputs],
+            friction_state: vec![0.0; if sizes.has_memory { sizes.nodes } else { 0 }],
             can_open: !model.contact().gaps.is_empty(),
         }
     }
@@ -36,6 +39,8 @@ impl Velocity {
     /// The instant a state stands at (loads apart).
     pub fn load_from(&mut self, state: &State) {
         self.instant.copy_blocks(&state.main.instant, |_| true);
+        self.friction_state
+            .copy_from_slice(&state.main.friction_state);
         self.set_magnitudes();
     }
 
@@ -75,12 +80,17 @@ impl Velocity {
     /// Makes this the instant of the state.
     pub fn store_into(&self, state: &mut State) {
         state.main.instant.copy_blocks(&self.instant, |_| true);
+        state
+            .main
+            .friction_state
+            .copy_from_slice(&self.friction_state);
     }
 
     pub fn copy_from(&mut self, other: &Velocity) {
         self.instant.copy_blocks(&other.instant, |_| true);
         self.magnitude.copy_from_slice(&other.magnitude);
         self.load.copy_from_slice(&other.load);
+        self.friction_state.copy_from_slice(&other.friction_state);
     }
 
     /// The mean over a step (weights b_j) of rates, forces and loads at its start and its stages.
@@ -242,6 +252,8 @@ pub(crate) struct Workspace {
     pub approach: [f64; 2],
     /// Scratch of the solver with pressure, where there is one.
     pub pressed: Option<PressedScratch>,
+    /// States of the friction law and slip rates before the stage that is solved, where it has a memory.
+    pub memory_states: (Vec<f64>, Vec<f64>),
     pub condensed_load: Vec<f64>,
     /// Displacement of the last iterate of the fixed point.
     pub last_iterate: Vec<f64>,
@@ -275,6 +287,10 @@ impl Workspace {
             shifted: vec![0.0; shifted],
             approach: [0.0; 2],
             pressed: contact.has_normal.then(|| PressedScratch::new(model)),
+            memory_states: match model.friction().has_memory() {
+                true => (vec![0.0; nodes], vec![0.0; nodes]),
+                false => (Vec::new(), Vec::new()),
+            },
             velocities: std::array::from_fn(|_| Velocity::new(model)),
             mean: Velocity::new(model),
             explicit: Explicit::new(model),

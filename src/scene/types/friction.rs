@@ -26,14 +26,19 @@ pub struct Friction {
 }
 
 impl Friction {
-    /// Whether its bound depends on the pressure.
-    pub fn needs_pressure(&self) -> bool {
+    /// Whether it is Coulomb's law.
+    pub fn is_coulomb(&self) -> bool {
         matches!(self.law.role(), Role::Coulomb { .. })
+    }
+
+    /// Whether it takes the solver with pressure: Coulomb's law, and laws whose bound has no potential.
+    pub fn needs_pressure(&self) -> bool {
+        self.is_coulomb() || !self.law.kind().has_potential()
     }
 
     /// Whether there is no friction where nothing presses.
     pub fn vanishes_without_pressure(&self) -> bool {
-        if !self.needs_pressure() {
+        if !self.is_coulomb() {
             return self.coefficients.is_empty();
         }
         let of_cohesion = |i: &usize| self.law.is_cohesion(*i);
