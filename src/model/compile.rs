@@ -77,7 +77,7 @@ impl Compilation {
         watch.report(Phase::Assembly, 0.05)?;
         let body = Body::assemble_on(&scene, mesh)?;
         // before the work of an hour: whether coefficients fit the contact nodes
-        scene.friction_on(body.contact.node_count())?;
+        scene.friction_on(&body.contact.points)?;
         watch.report(Phase::Assembly, 0.1)?;
         let operators = &body.operators;
         let cholesky = SparseCholesky::new(
@@ -142,7 +142,7 @@ fn finish(
     kept: &Kept,
     selection: Option<Selection>,
 ) -> Result<Model> {
-    let friction = scene.friction_on(body.contact.node_count())?;
+    let friction = scene.friction_on(&body.contact.points)?;
     let tableau = Tableau::of(scene.time.scheme);
     let theta_k = tableau.theta() * scene.time.step;
     let certificate = certify(
