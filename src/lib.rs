@@ -49,6 +49,7 @@ mod compile;
 pub mod contact;
 pub mod element;
 pub mod error;
+pub mod expression;
 pub mod fem;
 pub mod float_environment;
 pub mod linalg;

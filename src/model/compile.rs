@@ -79,7 +79,7 @@ impl Compilation {
         watch.report(Phase::Assembly, 0.05)?;
         let body = Body::assemble_on(&scene, mesh)?;
         // before the work of an hour: whether coefficients fit the contact nodes
-        scene.friction_on(body.contact.node_count())?;
+        scene.friction_on(&body.contact.points)?;
         watch.report(Phase::Assembly, 0.1)?;
         let operators = &body.operators;
         let cholesky = SparseCholesky::new(
@@ -187,7 +187,7 @@ fn finish(
     kept: &Kept,
     selection: Option<Selection>,
 ) -> Result<Model> {
-    let friction = scene.friction_on(body.contact.node_count())?;
+    let friction = scene.friction_on(&body.contact.points)?;
     let tableau = Tableau::of(scene.scheme());
     let theta_k = tableau.theta() * scene.time.step;
     let law = LawConstants {

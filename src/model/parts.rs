@@ -49,7 +49,7 @@ impl Model {
     /// # Errors
     /// [`crate::Error::Scene`] for coefficients that do not fit the contact nodes.
     pub(super) fn new(scene: &Scene, parts: Parts) -> Result<Model> {
-        let friction = scene.friction_on(parts.contact.node_count())?;
+        let friction = scene.friction_on(&parts.contact.points)?;
         let mut model = Model {
             summary: summary(scene, &parts),
             ports: ports(scene, &parts, &friction),

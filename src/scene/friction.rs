@@ -2,17 +2,18 @@
 
 use super::types::Scene;
 use crate::Result;
-use crate::contact::law::{ChosenLaw, Extent, Given, Misfit, Wrong};
+use crate::contact::law::{ChosenLaw, Given, Misfit, Wrong};
 use crate::message::number;
 use crate::refusal::Refusal;
 
 impl Scene {
-    /// The friction law on a contact of so many nodes.
+    /// The friction law on contact nodes with these coordinates, m.
     ///
     /// # Errors
-    /// [`crate::Error::Scene`] for a coefficient that has not one number per contact node.
-    pub(crate) fn friction_on(&self, nodes: usize) -> Result<ChosenLaw> {
-        choose(self, Some(nodes)).map_err(|refusal| refusal.of("scene"))
+    /// [`crate::Error::Scene`] for a coefficient that has not one number per contact node, or whose expression gives one that is out
+    /// of its range.
+    pub(crate) fn friction_on(&self, points: &[[f64; 3]]) -> Result<ChosenLaw> {
+        choose(self, Some(points)).map_err(|refusal| refusal.of("scene"))
     }
 
     /// The coefficients that are given node by node, and so belong to one mesh.
@@ -29,27 +30,25 @@ pub(super) fn check(scene: &Scene) -> std::result::Result<(), Refusal> {
     choose(scene, None).map(|_| ())
 }
 
-fn choose(scene: &Scene, nodes: Option<usize>) -> std::result::Result<ChosenLaw, Refusal> {
+fn choose(scene: &Scene, points: Option<&[[f64; 3]]>) -> std::result::Result<ChosenLaw, Refusal> {
     let friction = &scene.contact.friction;
     let law = friction.law;
-    ChosenLaw::new(law, &friction.coefficients, nodes).map_err(|misfit: Misfit| {
+    ChosenLaw::new(law, &friction.coefficients, points).map_err(|misfit: Misfit| {
+        let given = &friction.coefficients[misfit.coefficient];
         let path = law.path(misfit.coefficient);
-        let path = match (misfit.wrong, law.coefficient(misfit.coefficient).extent) {
-            (Wrong::Number | Wrong::Rows, _)
-            | (_, Extent::Choice(_))
-            | (Wrong::Count, Extent::Points | Extent::Grid) => path,
+        let path = match (misfit.wrong, given) {
             (Wrong::Row(row), _) => format!("{path}[{row}]"),
-            (Wrong::Count, Extent::Nodes) => format!("{path}.nodes"),
-            (Wrong::Entry(point), Extent::Points | Extent::Grid) => format!("{path}[{point}]"),
-            // beside a field, a number is wrong at one of its nodes
-            (Wrong::Entry(node), Extent::Nodes) => {
-                match friction.coefficients[misfit.coefficient] {
-                    Given::Nodes(_) => format!("{path}.nodes[{node}]"),
-                    _ => path,
-                }
+            (Wrong::Count, Given::Nodes(_)) => format!("{path}.nodes"),
+            (Wrong::Entry(node), Given::Nodes(_)) => format!("{path}.nodes[{node}]"),
+            (Wrong::Entry(point), Given::Points(_) | Given::Rows(..)) => {
+                format!("{path}[{point}]")
             }
+            (_, Given::Expression(_)) => format!("{path}.expression"),
+            // beside a field, a number is wrong at one of its nodes
+            _ => path,
         };
         let found = match misfit.wrong {
+            _ if misfit.words.is_some() => misfit.words.unwrap_or_default(),
             Wrong::Count | Wrong::Row(_) => format!("{} numbers", misfit.found),
             Wrong::Rows => format!("{} rows", misfit.found),
             _ => number(misfit.found).to_string(),

@@ -2,6 +2,7 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+mod expression;
 mod pressed;
 mod problems;
 mod quadrature;
@@ -44,7 +45,8 @@ pub fn draw(law: Law, random: &mut Random, nodes: Option<usize>) -> ChosenLaw {
             .enumerate()
             .map(|(i, declared)| given(declared, law.unit(i), random, nodes))
             .collect();
-        if let Ok(chosen) = ChosenLaw::new(law, &given, nodes) {
+        let points = nodes.map(|nodes| vec![[0.0; 3]; nodes]);
+        if let Ok(chosen) = ChosenLaw::new(law, &given, points.as_deref()) {
             return chosen;
         }
     }
@@ -53,6 +55,11 @@ pub fn draw(law: Law, random: &mut Random, nodes: Option<usize>) -> ChosenLaw {
 fn given(declared: &Coefficient, unit: &str, random: &mut Random, nodes: Option<usize>) -> Given {
     if declared.omitted == Omitted::Without && random.happens(0.5) {
         return Given::Absent;
+    }
+    if declared.extent == Extent::Formula {
+        let [high, low, width, steep] = [0.5, 0.3, 0.7, 2.0].map(|x| x * random.between(0.1, 1.0));
+        let falling = format!("{low} + {high} * exp(-r / {width}) / (1 + {steep} * s)");
+        return Given::Formula(format!("max(1e-3, {falling} * (1 + 0.1 * p) ^ (-1/3))"));
     }
     if let Extent::Choice(words) = declared.extent {
         return Given::Choice(random.below(words.len()));
@@ -75,7 +82,7 @@ fn given(declared: &Coefficient, unit: &str, random: &mut Random, nodes: Option<
     match declared.extent {
         Extent::Nodes if count == 1 => Given::Number(values[0]),
         Extent::Nodes => Given::Nodes(values),
-        Extent::Choice(_) => unreachable!("has no numbers"),
+        Extent::Choice(_) | Extent::Formula => unreachable!("has no numbers"),
         Extent::Grid if is_surface => Given::Rows(values, vec![SLIPS; 6]),
         Extent::Points | Extent::Grid => {
             if random.happens(0.5) {

@@ -1,12 +1,14 @@
 //! A law with numbers: the layout of its coefficients, and the bounds that they give at the contact nodes.
 
 use super::coulomb::Coulomb;
+use super::formula::Formula;
 use super::{
     At, Coefficients, FrictionLaw, Given, Law, MemoryPath, Misfit, Place, PressedLaw, Role, Wrong,
 };
 use crate::contact::bounds::Bounds;
 use crate::contact::evaluation::{Evaluation, NodalLaw, Nodes, SlipPath};
 use crate::error::Result;
+use crate::message::number;
 
 /// A law with the coefficients of a scene, and how the numbers of such coefficients stand in one list.
 #[derive(Debug, Clone, PartialEq)]
@@ -14,43 +16,62 @@ pub struct ChosenLaw {
     law: Law,
     places: Vec<Place>,
     start: Vec<f64>,
+    formula: Option<Formula>,
 }
 
 impl ChosenLaw {
-    /// The law with its coefficients, each within its range, on a contact of so many nodes; where that is not known yet, fields
-    /// are only compared with each other.
+    /// The law with its coefficients, each within its range, on contact nodes with these coordinates, m. Where the nodes are not
+    /// known yet, fields are only compared with each other and expressions only parsed; the result then says nothing of nodes.
     ///
     /// # Errors
-    /// A field that has not one number per node, a coefficient that does not fit the others.
+    /// A field that has not one number per node, a text that is no formula or gives numbers out of the range, a coefficient that
+    /// does not fit the others.
     pub fn new(
         law: Law,
         given: &[Given],
-        nodes: Option<usize>,
+        points: Option<&[[f64; 3]]>,
     ) -> std::result::Result<ChosenLaw, Misfit> {
-        let mut nodes = nodes;
+        let mut nodes = points.map(<[_]>::len);
         let (mut places, mut start) = (Vec::with_capacity(given.len()), Vec::new());
+        let mut formula = None;
         for (coefficient, given) in given.iter().enumerate() {
-            let count = given.values().len();
             if let Some(misfit) = given.unequal_rows(coefficient) {
                 return Err(misfit);
             }
-            if let Given::Nodes(_) = given
-                && *nodes.get_or_insert(count) != count
-            {
-                return Err(Misfit {
-                    coefficient,
-                    wrong: Wrong::Count,
-                    found: count as f64,
-                    rule: "one number per contact node",
-                    allowed: format!("one number per contact node: {}", nodes.unwrap_or_default()),
-                    beside: None,
-                });
+            let values = given.values(coefficient, points)?;
+            let count = values.len();
+            match given {
+                Given::Nodes(_) if *nodes.get_or_insert(count) != count => {
+                    return Err(Misfit {
+                        coefficient,
+                        wrong: Wrong::Count,
+                        found: count as f64,
+                        rule: "one number per contact node",
+                        allowed: format!(
+                            "one number per contact node: {}",
+                            nodes.unwrap_or_default()
+                        ),
+                        beside: None,
+                        words: None,
+                    });
+                }
+                Given::Expression(_) => check_range(law, coefficient, &values)?,
+                Given::Formula(text) => formula = Some(Formula::new(text, coefficient, points)?),
+                _ => {}
             }
-            places.push(Place::new(start.len(), given));
-            start.extend_from_slice(given.values());
+            places.push(Place::new(start.len(), given, count));
+            start.extend_from_slice(&values);
         }
-        let chosen = ChosenLaw { law, places, start };
-        law.kind().check(chosen.coefficients(&chosen.start))?;
+        let chosen = ChosenLaw {
+            law,
+            places,
+            start,
+            formula,
+        };
+        let is_known = points.is_some() || !given.iter().any(|g| matches!(g, Given::Expression(_)));
+        if is_known {
+            law.kind().check(chosen.coefficients(&chosen.start))?;
+        }
         Ok(chosen)
     }
 
@@ -71,7 +92,8 @@ impl ChosenLaw {
 
     #[inline]
     fn coefficients<'a>(&'a self, values: &'a [f64]) -> Coefficients<'a> {
-        Coefficients::new(self.law.kind().coefficients(), &self.places, values)
+        let declared = self.law.kind().coefficients();
+        Coefficients::new(declared, &self.places, values, self.formula.as_ref())
     }
 
     /// Whether the law is solved with normal forces: its bounds depend on them, or have no potential. Then [`ChosenLaw::pressed`]
@@ -156,6 +178,23 @@ impl ChosenLaw {
     }
 }
 
+/// Refuses numbers of an expression that are out of the range of the coefficient.
+fn check_range(law: Law, coefficient: usize, values: &[f64]) -> std::result::Result<(), Misfit> {
+    let range = law.coefficient(coefficient).range;
+    match values.iter().position(|value| !range.contains(*value)) {
+        None => Ok(()),
+        Some(node) => Err(Misfit {
+            coefficient,
+            wrong: Wrong::Number,
+            found: values[node],
+            rule: range.allowed,
+            allowed: range.allowed.to_owned(),
+            beside: None,
+            words: Some(format!("{} at contact node {node}", number(values[node]))),
+        }),
+    }
+}
+
 /// The bounds of a law with given coefficients.
 #[derive(Debug, Clone, Copy)]
 pub struct LawBounds<'a> {
@@ -170,6 +209,7 @@ impl LawBounds<'_> {
             slip,
             coefficients: self.coefficients,
             node,
+            pressure: 0.0,
             memory: MemoryPath::NONE,
         }
     }

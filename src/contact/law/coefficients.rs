@@ -1,7 +1,9 @@
 //! Coefficients of friction laws: how a law declares them, and their values as fields over the contact nodes.
 
 use super::Role;
+use super::formula::{Formula, field};
 use crate::message::number;
+use std::borrow::Cow;
 
 /// Values that a coefficient may have.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,6 +50,8 @@ pub enum Extent {
     Grid,
     /// To nothing: one of these words, which is no port.
     Choice(&'static [&'static str]),
+    /// To nothing: a formula, which is no port.
+    Formula,
 }
 
 /// Unit of a coefficient.
@@ -135,24 +139,42 @@ pub enum Given {
     Number(f64),
     /// One number per contact node.
     Nodes(Vec<f64>),
+    /// A formula of x, y, z, which gives one number per contact node.
+    Expression(String),
     /// The points of a curve.
     Points(Vec<f64>),
     /// The points of a surface row by row, and how many each row has, at least one.
     Rows(Vec<f64>, Vec<usize>),
     /// A word, by its place among those that may be chosen.
     Choice(usize),
+    /// A formula of the law.
+    Formula(String),
     /// Nothing: the law without it ([`Omitted::Without`]).
     Absent,
 }
 
 impl Given {
-    /// The numbers.
-    pub fn values(&self) -> &[f64] {
-        match self {
-            Given::Number(value) => std::slice::from_ref(value),
-            Given::Nodes(values) | Given::Points(values) | Given::Rows(values, _) => values,
-            Given::Choice(_) | Given::Absent => &[],
-        }
+    /// The numbers on contact nodes with these coordinates; those of an expression are not known without.
+    pub(super) fn values(
+        &self,
+        coefficient: usize,
+        points: Option<&[[f64; 3]]>,
+    ) -> Result<Cow<'_, [f64]>, Misfit> {
+        Ok(match self {
+            Given::Number(value) => Cow::Borrowed(std::slice::from_ref(value)),
+            Given::Nodes(values) | Given::Points(values) | Given::Rows(values, _) => {
+                Cow::Borrowed(values)
+            }
+            Given::Expression(text) => {
+                Cow::Owned(field(text, coefficient, points.unwrap_or_default())?)
+            }
+            Given::Choice(_) | Given::Formula(_) | Given::Absent => Cow::Borrowed(&[]),
+        })
+    }
+
+    /// Whether there is one number per contact node.
+    pub(super) fn is_nodal(&self) -> bool {
+        matches!(self, Given::Nodes(_) | Given::Expression(_))
     }
 
     /// The first row that is not as long as the first one.
@@ -169,6 +191,7 @@ impl Given {
             rule: "rows of equal length",
             allowed: format!("as many as in the first row: {first}"),
             beside: None,
+            words: None,
         })
     }
 }
@@ -189,11 +212,12 @@ pub struct Place {
 }
 
 impl Place {
-    pub fn new(first: usize, given: &Given) -> Place {
-        let is_array = matches!(given, Given::Nodes(_) | Given::Points(_) | Given::Rows(..));
+    /// Of a coefficient with so many numbers.
+    pub fn new(first: usize, given: &Given, len: usize) -> Place {
+        let is_array = given.is_nodal() || matches!(given, Given::Points(_) | Given::Rows(..));
         Place {
             first,
-            len: given.values().len(),
+            len,
             is_array,
             columns: match given {
                 Given::Rows(_, lengths) => lengths.first().copied(),
@@ -243,6 +267,7 @@ pub struct Coefficients<'a> {
     declared: &'static [Coefficient],
     places: &'a [Place],
     values: &'a [f64],
+    formula: Option<&'a Formula>,
 }
 
 impl<'a> Coefficients<'a> {
@@ -250,12 +275,19 @@ impl<'a> Coefficients<'a> {
         declared: &'static [Coefficient],
         places: &'a [Place],
         values: &'a [f64],
+        formula: Option<&'a Formula>,
     ) -> Coefficients<'a> {
         Coefficients {
             declared,
             places,
             values,
+            formula,
         }
+    }
+
+    /// The formula of a law that is written out.
+    pub fn formula(&self) -> Option<&'a Formula> {
+        self.formula
     }
 
     /// The numbers of a coefficient, by its place in the declaration.
@@ -337,6 +369,7 @@ impl<'a> Coefficients<'a> {
                     rule,
                     allowed: format!("at least {name} = {}", number(least)),
                     beside: Some((smaller, least)),
+                    words: None,
                 });
             }
         }
@@ -373,4 +406,6 @@ pub struct Misfit {
     pub allowed: String,
     /// The coefficient that it does not fit, and its value.
     pub beside: Option<(usize, f64)>,
+    /// What was found, where it is not a number or one that needs words.
+    pub words: Option<String>,
 }

@@ -34,7 +34,8 @@ pub const DECLARED: [Coefficient; 2] = [
 /// The numbers of Coulomb's law beside its coefficient, over the contact nodes.
 #[derive(Debug, Clone, Copy)]
 pub struct Coulomb<'a> {
-    tension: bool,
+    /// Whether tension bounds the friction as pressure does.
+    pub tension: bool,
     cohesion: Field<'a>,
     cap: Option<Field<'a>>,
 }
@@ -50,21 +51,15 @@ impl<'a> Coulomb<'a> {
         }
     }
 
-    /// P times the weight, N, and its derivative by the normal force `force` of a node, N.
-    pub fn pressing(&self, force: f64) -> [f64; 2] {
-        if force >= 0.0 {
-            [force, 1.0]
-        } else if self.tension {
-            [-force, -1.0]
-        } else {
-            [0.0, 0.0]
-        }
-    }
-
-    /// The bound of a node of this weight under this normal force, with the coefficient there. At a force of 0 and at the cap
-    /// the derivatives are those on the side of more pressure.
-    pub fn bound(&self, node: usize, weight: f64, force: f64, mu: Value) -> PressedBound {
-        let [pressing, sign] = self.pressing(force);
+    /// The bound of a node of this weight, with `pressing` as [`pressing`] gives it and the coefficient there. At a force of 0 and at
+    /// the cap the derivatives are those on the side of more pressure.
+    pub fn bound(
+        &self,
+        node: usize,
+        weight: f64,
+        [pressing, sign]: [f64; 2],
+        mu: Value,
+    ) -> PressedBound {
         let free = weight * self.cohesion.at(node) + mu.value * pressing;
         let most = self.cap.map_or(f64::INFINITY, |cap| weight * cap.at(node));
         if free >= most {
@@ -77,7 +72,19 @@ impl<'a> Coulomb<'a> {
         PressedBound {
             bound: free,
             by_rate: mu.by_rate * pressing,
-            by_force: mu.value * sign,
+            by_force: (mu.value + mu.by_pressure * (pressing / weight)) * sign,
         }
+    }
+}
+
+/// P times the weight of a node, N, and its derivative by the normal force, N.
+pub fn pressing(force: f64, tension: bool) -> [f64; 2] {
+    if force >= 0.0 {
+        [force, 1.0]
+    } else if tension {
+        [-force, -1.0]
+    } else {
+        // NaN stays NaN
+        [0.0 * force, 0.0]
     }
 }

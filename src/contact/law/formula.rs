@@ -93,7 +93,9 @@ impl Formula {
     /// Value and slopes at a node; NaN where the value is negative or not finite.
     pub fn at(&self, node: usize, rate: f64, slip: f64, pressure: f64) -> Said {
         let [x, y, z] = self.points[self.place(node)];
-        let (value, slopes) = self.program.derivatives([rate, slip, pressure, x, y, z].as_slice());
+        let (value, slopes) = self
+            .program
+            .derivatives([rate, slip, pressure, x, y, z].as_slice());
         if value >= 0.0 && value.is_finite() {
             Said { value, slopes }
         } else {
@@ -141,7 +143,11 @@ impl Formula {
 
     fn sample(&self, node: usize) -> Curve {
         let only_zero = |samples: Samples, place: usize| {
-            let count = if self.program.uses(place) { usize::MAX } else { 1 };
+            let count = if self.program.uses(place) {
+                usize::MAX
+            } else {
+                1
+            };
             samples.all().take(count)
         };
         let mut curve = Curve {

@@ -22,6 +22,8 @@ mod chosen;
 mod coefficients;
 mod coulomb;
 mod exponential;
+mod expression;
+mod formula;
 mod frictionless;
 mod memory;
 mod named;
@@ -59,6 +61,7 @@ pub const KINDS: &[&dyn FrictionLaw] = &[
     &slip_weakening::SlipWeakening,
     &table::Table,
     &rate_and_state::RateAndState,
+    &expression::Expression,
 ];
 
 /// What a number in the place of a kind is.
@@ -76,6 +79,8 @@ pub struct At<'a> {
     pub slip: SlipPath,
     pub coefficients: Coefficients<'a>,
     pub node: usize,
+    /// Pressure that bounds the friction, Pa, >= 0.
+    pub pressure: f64,
     /// The state of a law with memory along the stage.
     pub memory: MemoryPath,
 }
@@ -188,6 +193,7 @@ pub trait FrictionLaw: Sync {
                 slip,
                 coefficients,
                 node,
+                pressure: 0.0,
                 memory: MemoryPath::NONE,
             })
         });
@@ -205,6 +211,7 @@ pub trait FrictionLaw: Sync {
                 slip,
                 coefficients,
                 node,
+                pressure: 0.0,
                 memory: MemoryPath::NONE,
             };
             weight * self.at_rest(&at)

@@ -179,7 +179,9 @@ impl Law {
     pub fn refusal(&self, misfit: Misfit) -> Error {
         let extent = self.coefficient(misfit.coefficient).extent;
         let place = match (misfit.wrong, extent) {
-            (Wrong::Number, _) | (Wrong::Entry(_), Extent::Choice(_)) => String::new(),
+            (Wrong::Number, _) | (Wrong::Entry(_), Extent::Choice(_) | Extent::Formula) => {
+                String::new()
+            }
             (Wrong::Count, _) => ", its numbers".to_owned(),
             (Wrong::Rows, _) => ", its rows".to_owned(),
             (Wrong::Row(row), _) => format!(", the numbers of row {row}"),

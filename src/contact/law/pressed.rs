@@ -1,6 +1,6 @@
 //! The bounds of any law as nodal forces that may depend on the normal forces.
 
-use super::coulomb::Coulomb;
+use super::coulomb::{Coulomb, pressing};
 use super::{At, Coefficients, FrictionLaw, Memory, MemoryPath};
 use crate::contact::evaluation::SlipPath;
 use crate::contact::pressed::{PressedBound, PressedBounds};
@@ -43,12 +43,13 @@ impl<'a> PressedLaw<'a> {
         }
     }
 
-    fn at(&self, node: usize, rate: f64, slip: SlipPath) -> At<'_> {
+    fn at(&self, node: usize, rate: f64, slip: SlipPath, pressure: f64) -> At<'_> {
         At {
             rate,
             slip,
             coefficients: self.coefficients,
             node,
+            pressure,
             memory: match &self.memory {
                 Some(memory) => memory.path(node),
                 None => MemoryPath::NONE,
@@ -60,26 +61,33 @@ impl<'a> PressedLaw<'a> {
 impl PressedBounds for PressedLaw<'_> {
     fn evaluate(&self, node: usize, rate: f64, force: f64, slip: SlipPath) -> PressedBound {
         let weight = self.weights[node];
-        let value = self.kind.value(&self.at(node, rate, slip));
+        let tension = self.coulomb.is_some_and(|coulomb| coulomb.tension);
+        let [pressing, sign] = pressing(force, tension);
+        let pressure = if pressing > 0.0 {
+            pressing / weight
+        } else {
+            0.0
+        };
+        let said = self.kind.value(&self.at(node, rate, slip, pressure));
         match &self.coulomb {
-            Some(coulomb) => coulomb.bound(node, weight, force, value),
+            Some(coulomb) => coulomb.bound(node, weight, [pressing, sign], said),
             None => PressedBound {
-                bound: weight * value.value,
-                by_rate: weight * value.by_rate,
-                by_force: 0.0,
+                bound: weight * said.value,
+                by_rate: weight * said.by_rate,
+                by_force: sign * said.by_pressure,
             },
         }
     }
 
     fn weakening(&self, node: usize, force: f64) -> f64 {
         let scale = match &self.coulomb {
-            Some(coulomb) => coulomb.pressing(force)[0],
+            Some(coulomb) => pressing(force, coulomb.tension)[0],
             None => self.weights[node],
         };
         let slip = SlipPath {
             base: 0.0,
             per_rate: self.per_rate,
         };
-        scale * self.kind.weakening(&self.at(node, 0.0, slip))
+        scale * self.kind.weakening(&self.at(node, 0.0, slip, 0.0))
     }
 }

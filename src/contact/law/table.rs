@@ -85,6 +85,7 @@ impl FrictionLaw for Table {
             rule: "as many values as rates",
             allowed,
             beside: None,
+            words: None,
         };
         let place = coefficients.place(VALUE);
         match (slips.len(), place.columns) {
@@ -212,6 +213,7 @@ fn increasing(coefficient: usize, points: &[f64], rule: &'static str) -> Result<
             rule,
             allowed: format!("{rule}: more than {}", number(points[before])),
             beside: None,
+            words: None,
         }),
     }
 }

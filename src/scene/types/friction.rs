@@ -15,6 +15,9 @@ use std::borrow::Cow;
 /// Key of a coefficient that is given node by node.
 const NODES: &str = "nodes";
 
+/// Key of a coefficient that is a formula of the place.
+const EXPRESSION: &str = "expression";
+
 /// Key of the choice that tension bounds the friction too.
 const TENSION: &str = "tension";
 
@@ -150,6 +153,7 @@ fn coefficient(declared: &Coefficient, unit: &str) -> Value {
     let mut schema = match declared.extent {
         Extent::Points => list,
         Extent::Choice(words) => json!({"type": "string", "enum": words}),
+        Extent::Formula => json!({"type": "string"}),
         Extent::Grid => {
             let rows = json!({"type": "array", "items": list, "minItems": 1});
             json!({"anyOf": [list, rows]})
@@ -161,6 +165,12 @@ fn coefficient(declared: &Coefficient, unit: &str) -> Value {
                 "type": "object",
                 "properties": {NODES: list},
                 "required": [NODES],
+                "additionalProperties": false,
+            }, {
+                "description": "A formula of x, y, z (m), evaluated at the contact nodes.",
+                "type": "object",
+                "properties": {EXPRESSION: {"type": "string", "description": "Formula of x, y, z (m), e.g. `0.3 + 0.1 * x`."}},
+                "required": [EXPRESSION],
                 "additionalProperties": false,
             }]})
         }
@@ -259,8 +269,12 @@ fn read_given(extent: Extent, value: &Value) -> Option<Given> {
             choice.map(Given::Choice)
         }
         (Extent::Points | Extent::Grid, _) => list(value).map(Given::Points),
+        (Extent::Formula, _) => Some(Given::Formula(value.as_str()?.to_owned())),
         (Extent::Nodes, Value::Object(members)) if members.len() == 1 => {
-            list(members.get(NODES)?).map(Given::Nodes)
+            match members.get(EXPRESSION) {
+                Some(text) => Some(Given::Expression(text.as_str()?.to_owned())),
+                None => list(members.get(NODES)?).map(Given::Nodes),
+            }
         }
         (Extent::Nodes, _) => value.as_f64().map(Given::Number),
     }
@@ -333,6 +347,8 @@ impl Serialize for Written<'_> {
             Given::Number(value) => value.serialize(to),
             Given::Points(values) => values.serialize(to),
             Given::Nodes(values) => json!({ NODES: values }).serialize(to),
+            Given::Expression(text) => json!({ EXPRESSION: text }).serialize(to),
+            Given::Formula(text) => text.serialize(to),
             Given::Rows(values, lengths) => {
                 let mut rest = values.as_slice();
                 let rows = lengths.iter().map(|length| {
