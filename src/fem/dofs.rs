@@ -3,7 +3,7 @@
 //! * Clamped nodes have none; a clamped node on the contact part is not a contact node.
 //! * A contact node keeps its tangential components only, in the frame `(t1, t2, n)` (3D) or `(t1, n)` (2D): bilateral
 //!   contact sets the normal one to zero. n is the unit outward normal, the mean of the adjacent contact faces weighted by
-//!   their areas; t1 is the projection of `contact.tangent` or else of the x axis (of the y axis where n is parallel to x);
+//!   their areas (where faces are bent, by their integrals with the shape function of the node); t1 is the projection of `contact.tangent` or else of the x axis (of the y axis where n is parallel to x);
 //!   t2 = n x t1, so that (t1, t2, n) is right-handed: on a bottom (n = -y) t1 = x and t2 = z.
 //! * Every other node has `dimension` components along the global axes.
 //! * A node that follows another one (periodicity) has the numbers of its leader, and all conditions are put on the leader.
@@ -11,9 +11,9 @@
 //! The contact components come last, contact node by contact node, ordered along t1 and then t2: the trailing block of a
 //! Cholesky factor is then the operator condensed onto the contact.
 
-use super::cell::{area_vector, face_integrals, point};
+use super::cell::{face_integrals, face_normals, point};
 use crate::error::{Error, Result};
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, bent_face};
 use crate::message::cut;
 use crate::refusal::scene_error;
 use crate::scene::Scene;
@@ -71,10 +71,12 @@ impl DofMap {
         let mut normal_sums = vec![Vector3::zeros(); count];
         let mut masses = vec![0.0; count];
         let mut is_contact = vec![false; count];
-        for face in mesh.faces(&scene.contact.part, "contact.part")? {
-            let area = area_vector(mesh, face);
-            for (node, mass) in face_integrals(mesh, face) {
-                normal_sums[leader(node)] += area;
+        let faces = mesh.faces(&scene.contact.part, "contact.part")?;
+        let is_bent = faces.clone().any(|face| bent_face(mesh, face).is_some());
+        for face in faces {
+            let normals = face_normals(mesh, face, is_bent);
+            for ((node, mass), (_, normal)) in face_integrals(mesh, face).zip(normals) {
+                normal_sums[leader(node)] += normal;
                 masses[leader(node)] += mass;
                 is_contact[leader(node)] = true;
             }
