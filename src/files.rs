@@ -3,6 +3,8 @@
 //! A scene is text; a mesh that it names is another file. Whoever compiles says where such files are. A compiled model keeps the
 //! bytes of those that it was made from, so that it is compiled again without the folder.
 
+use crate::bytes::{Reader, Writer};
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::Read;
@@ -29,7 +31,7 @@ impl Files for NoFiles {
 }
 
 /// The files of a folder, as that of a scene file. A name is a path relative to it.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Folder(pub PathBuf);
 
 impl Folder {
@@ -56,7 +58,9 @@ impl Files for Folder {
         }
         // no more than announced, should it grow meanwhile
         let mut announced = (&mut file).take(metadata.len());
-        announced.read_to_end(&mut bytes).map_err(|error| failed(&error))?;
+        announced
+            .read_to_end(&mut bytes)
+            .map_err(|error| failed(&error))?;
         Ok(bytes.into())
     }
 }
@@ -69,17 +73,82 @@ impl MemoryFiles {
     /// Files with these names and contents.
     pub fn new<'a>(files: impl IntoIterator<Item = (&'a str, &'a [u8])>) -> MemoryFiles {
         let files = files.into_iter();
-        MemoryFiles(files.map(|(name, bytes)| (name.to_owned(), bytes.into())).collect())
+        MemoryFiles(
+            files
+                .map(|(name, bytes)| (name.to_owned(), bytes.into()))
+                .collect(),
+        )
+    }
+}
+
+impl MemoryFiles {
+    pub(crate) fn write(&self, out: &mut Writer) {
+        out.word(self.0.len() as u64);
+        for (name, bytes) in &self.0 {
+            out.text(name);
+            out.raw(bytes);
+        }
+    }
+
+    /// # Errors
+    /// [`crate::Error::Bytes`].
+    pub(crate) fn from_bytes(from: &mut Reader) -> crate::Result<MemoryFiles> {
+        let mut files = BTreeMap::new();
+        for _ in 0..from.word()? {
+            let name = from.text()?.to_owned();
+            files.insert(name, from.raw()?.into());
+        }
+        Ok(MemoryFiles(files))
     }
 }
 
 impl Files for MemoryFiles {
     fn read(&self, name: &str) -> Result<Arc<[u8]>, String> {
-        let known = || self.0.keys().map(|name| crate::message::cut(name)).collect::<Vec<_>>().join(", ");
+        let known = || {
+            self.0
+                .keys()
+                .map(|name| crate::message::cut(name))
+                .collect::<Vec<_>>()
+                .join(", ")
+        };
         match self.0.get(name) {
             Some(bytes) => Ok(Arc::clone(bytes)),
             None if self.0.is_empty() => NoFiles.read(name),
-            None => Err(format!("it is not among the files that came with the scene: {}", known())),
+            None => Err(format!(
+                "it is not among the files that came with the scene: {}",
+                known()
+            )),
         }
+    }
+}
+
+/// Passes on what another source has, and keeps it.
+pub(crate) struct Keeper<'a> {
+    source: &'a dyn Files,
+    kept: RefCell<MemoryFiles>,
+}
+
+impl<'a> Keeper<'a> {
+    pub fn new(source: &'a dyn Files) -> Keeper<'a> {
+        Keeper {
+            source,
+            kept: RefCell::default(),
+        }
+    }
+
+    /// What was read.
+    pub fn into_files(self) -> MemoryFiles {
+        self.kept.into_inner()
+    }
+}
+
+impl Files for Keeper<'_> {
+    fn read(&self, name: &str) -> Result<Arc<[u8]>, String> {
+        let bytes = self.source.read(name)?;
+        self.kept
+            .borrow_mut()
+            .0
+            .insert(name.to_owned(), Arc::clone(&bytes));
+        Ok(bytes)
     }
 }

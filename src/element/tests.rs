@@ -278,14 +278,24 @@ fn rules_for_bent_cells_are_exact_to_their_degree() {
     ] {
         let error = |degree: u64| {
             let of = |p: Vec<u64>| {
-                let sum: f64 = rule.iter().map(|(at, share)| share * monomial(&at[..=dimension], &p)).sum();
+                let sum: f64 = rule
+                    .iter()
+                    .map(|(at, share)| share * monomial(&at[..=dimension], &p))
+                    .sum();
                 (sum - mean_of_monomial(&p, dimension as u64)).abs()
             };
-            powers(dimension + 1, degree).into_iter().map(of).fold(0.0, f64::max)
+            powers(dimension + 1, degree)
+                .into_iter()
+                .map(of)
+                .fold(0.0, f64::max)
         };
         assert!(rule.iter().all(|(_, share)| *share > 0.0));
         for n in 0..=degree {
-            assert!(error(n) < 2e-16 + 1e-15 / (n + 1) as f64, "{dimension} {n}: {}", error(n));
+            assert!(
+                error(n) < 2e-16 + 1e-15 / (n + 1) as f64,
+                "{dimension} {n}: {}",
+                error(n)
+            );
         }
         assert!(error(degree + 1) > 1e-6, "{dimension}");
     }

@@ -184,8 +184,18 @@ fn refuse_loose_pieces(mesh: &Mesh, dofs: &DofMap) -> Result<()> {
     }
     // nodes are few that stand at the same place as another
     let key = |node: u32| mesh.nodes[node as usize].map(f64::to_bits);
-    let others: BTreeSet<[u64; 3]> = mesh.cell_nodes.iter().filter(|n| pieces[**n as usize] != piece).map(|n| key(*n)).collect();
-    let own: BTreeSet<[u64; 3]> = mesh.cell_nodes.iter().filter(|n| pieces[**n as usize] == piece).map(|n| key(*n)).collect();
+    let others: BTreeSet<[u64; 3]> = mesh
+        .cell_nodes
+        .iter()
+        .filter(|n| pieces[**n as usize] != piece)
+        .map(|n| key(*n))
+        .collect();
+    let own: BTreeSet<[u64; 3]> = mesh
+        .cell_nodes
+        .iter()
+        .filter(|n| pieces[**n as usize] == piece)
+        .map(|n| key(*n))
+        .collect();
     let touching = own.intersection(&others).count();
     let found = format!(
         "parts that hold nothing of the {cells} cells of {} at {:?}, which share no node with the rest of the body{}",
@@ -200,7 +210,8 @@ fn refuse_loose_pieces(mesh: &Mesh, dofs: &DofMap) -> Result<()> {
     Err(scene_error("clamped", found, allowed.to_owned()))
 }
 
-/// The forms of A and B in every region of the mesh.(scene: &Scene, mesh: &Mesh) -> Result<Vec<[Form; 2]>> {
+/// The forms of A and B in every region of the mesh.
+fn forms(scene: &Scene, mesh: &Mesh) -> Result<Vec<[Form; 2]>> {
     let materials = scene.materials();
     let without_cells = |region: &str| mesh.regions.iter().all(|r| r != region);
     for material in &materials {

@@ -136,7 +136,11 @@ impl Cell {
             None => self.simplex.volume,
             Some(points) => {
                 let [least, _] = points.bent.determinants();
-                if least > 0.0 { points.bent.measure() } else { least }
+                if least > 0.0 {
+                    points.bent.measure()
+                } else {
+                    least
+                }
             }
         }
     }
@@ -215,7 +219,9 @@ impl Cell {
             None => share.of(volume),
             Some(points) => {
                 let values = element.bent_points.iter().zip(&points.all);
-                values.map(|((at, _), (weight, _))| weight * (element.shape)(node, at)).sum()
+                values
+                    .map(|((at, _), (weight, _))| weight * (element.shape)(node, at))
+                    .sum()
             }
         })
     }

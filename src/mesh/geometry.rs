@@ -39,7 +39,9 @@ impl Bent {
     /// The point at barycentric coordinates, m.
     pub fn place(&self, at: &Barycentric) -> Vector3<f64> {
         let nodes = self.places.iter().take(self.element.nodes).enumerate();
-        nodes.map(|(i, place)| place * (self.element.shape)(i, at)).sum()
+        nodes
+            .map(|(i, place)| place * (self.element.shape)(i, at))
+            .sum()
     }
 
     /// Derivatives of the point by the coordinates of the second and following corners, in columns; the unit vector along z
@@ -67,7 +69,8 @@ impl Bent {
     /// its sides turn inside out.
     pub fn determinants(&self) -> [f64; 2] {
         let corners = self.element.corners();
-        let mut places: Vec<Barycentric> = self.element.bent_points.iter().map(|(at, _)| *at).collect();
+        let mut places: Vec<Barycentric> =
+            self.element.bent_points.iter().map(|(at, _)| *at).collect();
         for i in 0..corners {
             let mut at = [0.0; 4];
             at[i] = 1.0;
@@ -81,14 +84,20 @@ impl Bent {
         let values = places.iter().map(|at| self.jacobian(at).determinant());
         values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
             // a value that is no number must not be lost
-            if x.is_nan() { [x, x] } else { [low.min(x), high.max(x)] }
+            if x.is_nan() {
+                [x, x]
+            } else {
+                [low.min(x), high.max(x)]
+            }
         })
     }
 
     /// Area (m^2) or volume (m^3).
     pub fn measure(&self) -> f64 {
         let points = self.element.bent_points.iter();
-        let sum: f64 = points.map(|(at, share)| share * self.jacobian(at).determinant()).sum();
+        let sum: f64 = points
+            .map(|(at, share)| share * self.jacobian(at).determinant())
+            .sum();
         sum / simplex_share(self.element.dimension)
     }
 
@@ -125,7 +134,10 @@ pub(crate) fn simplex_share(dimension: usize) -> f64 {
 pub type FacePoint = ([f64; MOST_FACE_NODES], Vector3<f64>);
 
 /// The points of integration of a face; `None` for a straight one.
-pub fn bent_face<'m>(mesh: &'m Mesh, face: &'m [u32]) -> Option<impl Iterator<Item = FacePoint> + 'm> {
+pub fn bent_face<'m>(
+    mesh: &'m Mesh,
+    face: &'m [u32],
+) -> Option<impl Iterator<Item = FacePoint> + 'm> {
     let (element, d) = (mesh.element, mesh.dimension);
     if is_straight(mesh, face, d, element.face_midsides) {
         return None;
@@ -154,10 +166,13 @@ fn point(mesh: &Mesh, node: u32) -> Vector3<f64> {
 
 /// Whether all midside nodes, which follow the corners, stand in the middle of their sides.
 fn is_straight(mesh: &Mesh, nodes: &[u32], corners: usize, midsides: &[[usize; 2]]) -> bool {
-    midsides.iter().zip(&nodes[corners..]).all(|([i, j], &middle)| {
-        let (p, q) = (point(mesh, nodes[*i]), point(mesh, nodes[*j]));
-        let off = point(mesh, middle) - (p + q) / 2.0;
-        // a coordinate that is not a number is no middle either
-        off.norm_squared() <= STRAIGHT * STRAIGHT * (q - p).norm_squared()
-    })
+    midsides
+        .iter()
+        .zip(&nodes[corners..])
+        .all(|([i, j], &middle)| {
+            let (p, q) = (point(mesh, nodes[*i]), point(mesh, nodes[*j]));
+            let off = point(mesh, middle) - (p + q) / 2.0;
+            // a coordinate that is not a number is no middle either
+            off.norm_squared() <= STRAIGHT * STRAIGHT * (q - p).norm_squared()
+        })
 }

@@ -1,7 +1,7 @@
 //! What a mesh is made of and how good its cells are: for whoever looks at a file before there is a scene.
 
-use super::geometry::{Bent, bent_face, simplex_share};
 use super::Mesh;
+use super::geometry::{Bent, bent_face, simplex_share};
 use nalgebra::{Matrix3, Vector3};
 
 /// A region of a mesh.
@@ -57,7 +57,11 @@ impl Mesh {
             worst_aspect: 0.0,
             bent: 0,
             least_jacobian: 1.0,
-            pieces: self.pieces().into_iter().max().map_or(0, |last| last as usize + 1),
+            pieces: self
+                .pieces()
+                .into_iter()
+                .max()
+                .map_or(0, |last| last as usize + 1),
             regions: self
                 .regions
                 .iter()
@@ -73,7 +77,10 @@ impl Mesh {
                 .map(|(name, faces)| PartSize {
                     name: name.clone(),
                     faces: faces.len() / self.element.face_nodes(),
-                    measure: faces.chunks_exact(self.element.face_nodes()).map(|f| self.face_measure(f)).sum(),
+                    measure: faces
+                        .chunks_exact(self.element.face_nodes())
+                        .map(|f| self.face_measure(f))
+                        .sum(),
                 })
                 .collect(),
         };
@@ -141,7 +148,8 @@ impl Shape {
         let p = |i: usize| Vector3::from(mesh.nodes[cell[i] as usize]);
         let edge = |i: usize| p(i) - p(0);
         let last = if d == 2 { Vector3::z() } else { edge(3) };
-        let measure = Matrix3::from_columns(&[edge(1), edge(2), last]).determinant() / simplex_share(d);
+        let measure =
+            Matrix3::from_columns(&[edge(1), edge(2), last]).determinant() / simplex_share(d);
         let mut edges = [f64::INFINITY, 0.0f64];
         for i in 0..=d {
             for j in 0..i {
@@ -161,7 +169,11 @@ impl Shape {
             .collect();
         let largest = normals.iter().map(|n| n.norm()).fold(0.0, f64::max);
         let height = d as f64 * measure / largest;
-        let regular = if d == 2 { 0.75f64.sqrt() } else { (2.0f64 / 3.0).sqrt() };
+        let regular = if d == 2 {
+            0.75f64.sqrt()
+        } else {
+            (2.0f64 / 3.0).sqrt()
+        };
         let mut angle = f64::INFINITY;
         for (i, a) in normals.iter().enumerate() {
             for b in &normals[..i] {
@@ -193,7 +205,10 @@ mod tests {
         assert!((found.smallest_angle - 45.0).abs() < 1e-12);
         // hypotenuse over its height, 2, against 2/sqrt 3
         assert!((found.worst_aspect - 3f64.sqrt()).abs() < 1e-12);
-        assert_eq!((found.bent, found.pieces, found.regions[0].cells), (0, 1, 32));
+        assert_eq!(
+            (found.bent, found.pieces, found.regions[0].cells),
+            (0, 1, 32)
+        );
         assert!((found.regions[0].measure - 2.0).abs() < 1e-14);
         let top = found.parts.iter().find(|p| p.name == "top").unwrap();
         assert_eq!((top.faces, top.measure), (4, 2.0));

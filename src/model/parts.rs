@@ -9,6 +9,7 @@ use crate::contact::law::ChosenLaw;
 use crate::contact::solve::fixed_point::FixedPoint;
 use crate::error::Result;
 use crate::fem::ContactPatch;
+use crate::files::MemoryFiles;
 use crate::ports::{Ports, Shapes};
 use crate::refusal::scene_error;
 use crate::scene::{FixedPointStop, FrictionSolver, LoadKind, ModelKind, Run, Scene};
@@ -37,6 +38,8 @@ pub(super) struct Parts {
     pub fallback: Option<String>,
     /// Relative error by rounding.
     pub lost_digits: f64,
+    /// The files that the scene names.
+    pub files: MemoryFiles,
 }
 
 impl Model {
@@ -78,6 +81,7 @@ impl Model {
             contact: parts.contact,
             strain_weights: parts.strain_weights,
             certificate: parts.certificate,
+            files: parts.files,
             scene: Scene {
                 run: Run::default(),
                 ..scene.clone()
@@ -93,7 +97,7 @@ impl Model {
 
 fn summary(scene: &Scene, parts: &Parts) -> Summary {
     // the first node of a contact is not counted, as at the clamped end of the paper's example
-    let multipliers = scene.element_table().order * parts.contact.faces;
+    let multipliers = scene.element_in(parts.dimension).order * parts.contact.faces;
     Summary {
         name: scene.name.clone(),
         dimension: parts.dimension,

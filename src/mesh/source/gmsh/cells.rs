@@ -60,7 +60,10 @@ impl Cells {
         if element.dimension == 2 {
             flatten(&mut nodes, &order, contents)?;
         }
-        let numbers = by_tag.iter().map(|&(tag, at)| (tag, number[at as usize])).collect();
+        let numbers = by_tag
+            .iter()
+            .map(|&(tag, at)| (tag, number[at as usize]))
+            .collect();
         let mut cells = Cells {
             element,
             nodes,
@@ -75,7 +78,10 @@ impl Cells {
 
     /// Number of the node with this number in the file; `None` where no cell has it.
     pub fn number(&self, tag: u64) -> Option<u32> {
-        let at = self.numbers.binary_search_by_key(&tag, |(tag, _)| *tag).ok()?;
+        let at = self
+            .numbers
+            .binary_search_by_key(&tag, |(tag, _)| *tag)
+            .ok()?;
         Some(self.numbers[at].1).filter(|number| *number != UNUSED)
     }
 
@@ -102,7 +108,9 @@ impl Cells {
             key[..corners].sort_unstable();
             key
         };
-        let mut order: Vec<([u32; 4], u32)> = (0..found.tags.len()).map(|cell| (key(cell), cell as u32)).collect();
+        let mut order: Vec<([u32; 4], u32)> = (0..found.tags.len())
+            .map(|cell| (key(cell), cell as u32))
+            .collect();
         order.sort_unstable();
         for pair in order.windows(2) {
             if pair[0].0 == pair[1].0 {
@@ -115,7 +123,10 @@ impl Cells {
                     found.tags[b],
                     region(b)
                 );
-                return Err(Fault::new(found, "each cell once, in one physical group of its dimension"));
+                return Err(Fault::new(
+                    found,
+                    "each cell once, in one physical group of its dimension",
+                ));
             }
         }
         for (_, cell) in order {
@@ -146,9 +157,10 @@ impl Cells {
         }
         for [i, j] in self.element.midsides {
             let ends = [turned[*i], turned[*j]];
-            let middle = self.element.midsides.iter().position(|[p, q]| {
-                [cell[*p], cell[*q]] == ends || [cell[*q], cell[*p]] == ends
-            })?;
+            let middle =
+                self.element.midsides.iter().position(|[p, q]| {
+                    [cell[*p], cell[*q]] == ends || [cell[*q], cell[*p]] == ends
+                })?;
             turned.push(cell[corners + middle]);
         }
         Some(turned)
@@ -199,7 +211,12 @@ fn rounded(x: f64) -> f64 {
 
 /// The one element of the cells: those of the highest dimension.
 fn element_of(contents: &Contents) -> Outcome<&'static Element> {
-    let solid = |d: usize| contents.blocks.iter().filter(move |b| b.of.dimension == d && !b.tags.is_empty());
+    let solid = |d: usize| {
+        contents
+            .blocks
+            .iter()
+            .filter(move |b| b.of.dimension == d && !b.tags.is_empty())
+    };
     let dimension = if solid(3).next().is_some() { 3 } else { 2 };
     let mut blocks = solid(dimension);
     let Some(first) = blocks.next() else {
@@ -228,7 +245,10 @@ fn element_of(contents: &Contents) -> Outcome<&'static Element> {
         return refuse(first, "");
     };
     match blocks.find(|block| block.of != first.of) {
-        Some(other) => refuse(other, &format!(", beside the {} {}", first.of.name, first.tags[0])),
+        Some(other) => refuse(
+            other,
+            &format!(", beside the {} {}", first.of.name, first.tags[0]),
+        ),
         None => Ok(element),
     }
 }
@@ -244,7 +264,12 @@ fn sorted_tags(contents: &Contents) -> Outcome<Vec<(u64, u32)>> {
         let found = format!("$Nodes: {} nodes", contents.nodes.len());
         return Err(Fault::new(found, format!("at most {MAX_NODES}")));
     }
-    let mut tags: Vec<(u64, u32)> = contents.nodes.iter().map(|(tag, _)| *tag).zip(0..).collect();
+    let mut tags: Vec<(u64, u32)> = contents
+        .nodes
+        .iter()
+        .map(|(tag, _)| *tag)
+        .zip(0..)
+        .collect();
     tags.sort_unstable();
     match tags.windows(2).find(|pair| pair[0].0 == pair[1].0) {
         Some(pair) => {
@@ -263,12 +288,20 @@ fn collect(
     by_tag: &[(u64, u32)],
 ) -> Outcome<(Found, Vec<String>)> {
     let dimension = element.dimension;
-    let blocks = || contents.blocks.iter().filter(|b| b.of.dimension == dimension);
+    let blocks = || {
+        contents
+            .blocks
+            .iter()
+            .filter(|b| b.of.dimension == dimension)
+    };
     let mut of_blocks = Vec::new();
     for block in blocks() {
         of_blocks.push(names.region(block, contents)?);
     }
-    let regions: Vec<String> = BTreeSet::from_iter(&of_blocks).into_iter().cloned().collect();
+    let regions: Vec<String> = BTreeSet::from_iter(&of_blocks)
+        .into_iter()
+        .cloned()
+        .collect();
     let mut found = Found {
         nodes: Vec::new(),
         regions: Vec::new(),
@@ -276,7 +309,11 @@ fn collect(
     };
     for (block, region) in blocks().zip(&of_blocks) {
         let region = regions.binary_search(region).unwrap_or(0) as u32;
-        for (tag, nodes) in block.tags.iter().zip(block.nodes.chunks_exact(block.of.nodes)) {
+        for (tag, nodes) in block
+            .tags
+            .iter()
+            .zip(block.nodes.chunks_exact(block.of.nodes))
+        {
             for i in 0..element.nodes {
                 let node = nodes[block.of.place(i)];
                 let Ok(at) = by_tag.binary_search_by_key(&node, |(tag, _)| *tag) else {
@@ -302,7 +339,9 @@ fn canonical_order(found: &Found, places: &[[f64; 3]]) -> (Vec<u32>, Vec<u32>) {
     for &at in &found.nodes {
         number[at as usize] = 0;
     }
-    let mut order: Vec<u32> = (0..places.len() as u32).filter(|&at| number[at as usize] == 0).collect();
+    let mut order: Vec<u32> = (0..places.len() as u32)
+        .filter(|&at| number[at as usize] == 0)
+        .collect();
     let by_place = |a: &u32, b: &u32| {
         let pairs = places[*a as usize].iter().zip(&places[*b as usize]);
         pairs
@@ -321,7 +360,9 @@ fn canonical_order(found: &Found, places: &[[f64; 3]]) -> (Vec<u32>, Vec<u32>) {
 fn flatten(nodes: &mut [[f64; 3]], order: &[u32], contents: &Contents) -> Outcome<()> {
     let extent = |axis: usize| {
         let values = nodes.iter().map(|p| p[axis]);
-        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| {
+            (l.min(x), h.max(x))
+        });
         high - low
     };
     let size = extent(0).max(extent(1)).max(extent(2));

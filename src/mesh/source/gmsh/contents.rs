@@ -48,7 +48,12 @@ impl Contents {
         while let Some(section) = from.next_section()? {
             let is_read = matches!(
                 section.as_str(),
-                "MeshFormat" | "PhysicalNames" | "Entities" | "PartitionedEntities" | "Nodes" | "Elements"
+                "MeshFormat"
+                    | "PhysicalNames"
+                    | "Entities"
+                    | "PartitionedEntities"
+                    | "Nodes"
+                    | "Elements"
             );
             if is_read && seen.contains(&section) {
                 return Err(from.fault("this section a second time", "each section once"));
@@ -63,7 +68,9 @@ impl Contents {
                 ("Elements", Some(Version::Four)) => {
                     contents.blocks = version4::elements(&mut from, &entities)?;
                 }
-                ("Elements", Some(Version::Two)) => contents.blocks = version2::elements(&mut from)?,
+                ("Elements", Some(Version::Two)) => {
+                    contents.blocks = version2::elements(&mut from)?
+                }
                 ("ParametricNodes", _) => {
                     let allowed = "$Nodes (in Gmsh: Mesh.SaveParametric = 0)";
                     return Err(from.fault("nodes with parameters", allowed));
@@ -101,7 +108,8 @@ fn format(from: &mut Cursor) -> Outcome<Version> {
         "4.1" => Version::Four,
         "2.2" => Version::Two,
         _ => {
-            let allowed = "4.1 or 2.2 (in Gmsh: Mesh.MshFileVersion); other versions are other formats";
+            let allowed =
+                "4.1 or 2.2 (in Gmsh: Mesh.MshFileVersion); other versions are other formats";
             return Err(from.fault(format!("version {}", cut(version)), allowed));
         }
     };
@@ -143,13 +151,23 @@ fn names(from: &mut Cursor) -> Outcome<BTreeMap<(usize, i64), String>> {
         let dimension = from.text_int("the dimension of a group")?;
         let number = from.text_int("the number of a group")?;
         let expected = "a name of a group in quotation marks, UTF-8";
-        let line = std::str::from_utf8(from.line()).map_err(|_| from.fault("bytes that are no text", expected))?;
-        let name = line.trim().strip_prefix('"').and_then(|name| name.strip_suffix('"'));
+        let line = std::str::from_utf8(from.line())
+            .map_err(|_| from.fault("bytes that are no text", expected))?;
+        let name = line
+            .trim()
+            .strip_prefix('"')
+            .and_then(|name| name.strip_suffix('"'));
         let (Ok(dimension @ 0..=3), Some(name)) = (usize::try_from(dimension), name) else {
-            let found = format!("group {number} of dimension {dimension} with {:?}", cut(line));
+            let found = format!(
+                "group {number} of dimension {dimension} with {:?}",
+                cut(line)
+            );
             return Err(from.fault(found, expected));
         };
-        if names.insert((dimension, number.saturating_abs()), name.to_owned()).is_some() {
+        if names
+            .insert((dimension, number.saturating_abs()), name.to_owned())
+            .is_some()
+        {
             let found = format!("a second name of group {number} of dimension {dimension}");
             return Err(from.fault(found, "one name for each group"));
         }

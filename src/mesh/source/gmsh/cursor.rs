@@ -174,7 +174,9 @@ impl<'a> Cursor<'a> {
         let rest = &self.bytes[self.at..];
         let length = rest.iter().take_while(|b| **b != b'\n').count();
         self.at += (length + 1).min(rest.len());
-        rest[..length].strip_suffix(b"\r").unwrap_or(&rest[..length])
+        rest[..length]
+            .strip_suffix(b"\r")
+            .unwrap_or(&rest[..length])
     }
 
     /// Skips the end of the line after a text in a binary file; what follows are numbers.
@@ -234,9 +236,10 @@ impl<'a> Cursor<'a> {
         let mark = format!("$End{}", self.section);
         let rest = &self.bytes[self.at..];
         // at the beginning of a line
-        let found = rest.windows(mark.len()).enumerate().position(|(i, window)| {
-            window == mark.as_bytes() && (i == 0 || rest[i - 1] == b'\n')
-        });
+        let found = rest
+            .windows(mark.len())
+            .enumerate()
+            .position(|(i, window)| window == mark.as_bytes() && (i == 0 || rest[i - 1] == b'\n'));
         match found {
             Some(length) => {
                 self.at += length;

@@ -1,7 +1,7 @@
 //! Meshes that Gmsh has written: MSH 4.1 and 2.2, text and binary, triangles or tetrahedra of first or second order.
 //!
-//! The crate `mshio` was looked at: it reads 4.1 alone, without `$PhysicalNames`, panics on what it does not know, and has not
-//! changed since 2021. So the sections that a body needs are read here (`contents`, `version4`, `version2`), and everything a
+//! The crate `mshio` was looked at: it reads 4.1 alone, without `$PhysicalNames`, panics on what it does not know, and is no
+//! longer maintained. So the sections that a body needs are read here (`contents`, `version4`, `version2`), and everything a
 //! file may get wrong is checked (`cells`, `names`, `parts`). Memory is taken only as far as the file is long enough for what
 //! it announces. Other sections are skipped: `$Periodic` says how Gmsh made the mesh, not that two sides move together.
 
@@ -11,15 +11,14 @@ mod cursor;
 mod fault;
 mod names;
 mod parts;
-#[cfg(test)]
-mod tests;
 mod types;
 mod version2;
 mod version4;
 
-use super::{Extent, Files, Grid, MeshSource};
+use super::{Extent, Grid, MeshSource};
 use crate::element::Element;
 use crate::error::Result;
+use crate::files::Files;
 use crate::mesh::Mesh;
 use crate::message::{cut, number};
 use crate::refusal::{Refusal, Verdict, ensure, json};
@@ -57,7 +56,11 @@ impl MeshSource for GmshMesh {
 
     fn check(&self, _element: &Element) -> Verdict {
         ensure(!self.file.is_empty() && !self.file.contains('\0'), || {
-            Refusal::new("mesh.file", json(&self.file), "the name of a file beside the scene")
+            Refusal::new(
+                "mesh.file",
+                json(&self.file),
+                "the name of a file beside the scene",
+            )
         })?;
         ensure(self.scale.is_finite() && self.scale > 0.0, || {
             Refusal::new("mesh.scale", number(self.scale), "a finite number > 0")

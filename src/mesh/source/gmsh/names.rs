@@ -31,7 +31,10 @@ impl<'a> Names<'a> {
                     "$PhysicalNames: groups {other} and {group} of dimension {dimension} are both called {:?}",
                     cut(&name)
                 );
-                return Err(Fault::new(found, "a name that no other group of the dimension has"));
+                return Err(Fault::new(
+                    found,
+                    "a name that no other group of the dimension has",
+                ));
             }
         }
         Ok(names)
@@ -67,7 +70,10 @@ impl<'a> Names<'a> {
                 cut(&self.of(dimension, b))
             )),
             [] => {
-                let mut cells = contents.blocks.iter().filter(|b| b.of.dimension == dimension);
+                let mut cells = contents
+                    .blocks
+                    .iter()
+                    .filter(|b| b.of.dimension == dimension);
                 match cells.find(|b| !b.groups.is_empty()) {
                     None => Ok(BODY.to_owned()),
                     Some(other) => refuse(format!(

@@ -31,7 +31,11 @@ impl Parts {
         let sides = Sides::new(cells)?;
         let mut found: BTreeMap<String, BTreeSet<(u32, u8)>> = BTreeMap::new();
         let mut unusable: BTreeMap<String, String> = BTreeMap::new();
-        for block in contents.blocks.iter().filter(|b| b.of.dimension + 1 == dimension) {
+        for block in contents
+            .blocks
+            .iter()
+            .filter(|b| b.of.dimension + 1 == dimension)
+        {
             if block.groups.is_empty() || block.tags.is_empty() {
                 continue;
             }
@@ -47,14 +51,24 @@ impl Parts {
                 );
                 return Err(Fault::new(found, "sides of the cells"));
             }
-            let groups: Vec<String> = block.groups.iter().map(|g| names.of(block.of.dimension, *g)).collect();
-            for (tag, nodes) in block.tags.iter().zip(block.nodes.chunks_exact(block.of.nodes)) {
+            let groups: Vec<String> = block
+                .groups
+                .iter()
+                .map(|g| names.of(block.of.dimension, *g))
+                .collect();
+            for (tag, nodes) in block
+                .tags
+                .iter()
+                .zip(block.nodes.chunks_exact(block.of.nodes))
+            {
                 let place = match sides.find(cells, nodes) {
                     Ok(place) => place,
                     Err(why) => {
                         let reason = format!("element {tag} {why}");
                         for group in &groups {
-                            unusable.entry(group.clone()).or_insert_with(|| reason.clone());
+                            unusable
+                                .entry(group.clone())
+                                .or_insert_with(|| reason.clone());
                         }
                         continue;
                     }
@@ -103,7 +117,10 @@ impl Sides {
         match all.windows(3).find(|three| three[0].0 == three[2].0) {
             None => Ok(Sides { all }),
             Some(three) => {
-                let found = format!("$Elements: three cells share one side at {}", cells.place(three[0].0[0]));
+                let found = format!(
+                    "$Elements: three cells share one side at {}",
+                    cells.place(three[0].0[0])
+                );
                 Err(Fault::new(found, "cells that do not overlap"))
             }
         }
@@ -113,11 +130,15 @@ impl Sides {
     fn find(&self, cells: &Cells, nodes: &[u64]) -> Result<(u32, u8), String> {
         let mut key = [NONE; 3];
         for (to, tag) in key.iter_mut().zip(&nodes[..cells.element.dimension]) {
-            *to = cells.number(*tag).ok_or_else(|| format!("has the node {tag}, which no cell has"))?;
+            *to = cells
+                .number(*tag)
+                .ok_or_else(|| format!("has the node {tag}, which no cell has"))?;
         }
         key.sort_unstable();
         let at = self.all.partition_point(|(other, ..)| *other < key);
-        let mut same = self.all[at..].iter().take_while(|(other, ..)| *other == key);
+        let mut same = self.all[at..]
+            .iter()
+            .take_while(|(other, ..)| *other == key);
         match (same.next(), same.next()) {
             (Some((_, cell, side)), None) => Ok((*cell, *side)),
             (Some(_), Some(_)) => Err("lies inside the body, between two cells".to_owned()),
@@ -138,7 +159,10 @@ fn face(cells: &Cells, (cell, side): (u32, u8)) -> impl Iterator<Item = u32> {
         let place = element.midsides.iter().position(is_between).unwrap_or(0);
         cell[element.corners() + place]
     };
-    corners.iter().map(|&corner| cell[corner]).chain(element.face_midsides.iter().map(middle))
+    corners
+        .iter()
+        .map(|&corner| cell[corner])
+        .chain(element.face_midsides.iter().map(middle))
 }
 
 /// A second-order side has the midside nodes of its cell.
@@ -146,9 +170,17 @@ fn check_midsides(cells: &Cells, place: (u32, u8), tag: u64, nodes: &[u64]) -> O
     let corners = cells.element.dimension;
     let own: BTreeSet<u32> = face(cells, place).skip(corners).collect();
     for node in &nodes[corners..] {
-        if cells.number(*node).is_none_or(|number| !own.contains(&number)) {
-            let found = format!("$Elements: element {tag} has the midside node {node}, the cell beside it another");
-            return Err(Fault::new(found, "sides that share the nodes of their cells"));
+        if cells
+            .number(*node)
+            .is_none_or(|number| !own.contains(&number))
+        {
+            let found = format!(
+                "$Elements: element {tag} has the midside node {node}, the cell beside it another"
+            );
+            return Err(Fault::new(
+                found,
+                "sides that share the nodes of their cells",
+            ));
         }
     }
     Ok(())

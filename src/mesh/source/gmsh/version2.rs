@@ -48,7 +48,10 @@ impl Blocks {
         let group = tags.first().map_or(0, |group| group.saturating_abs());
         let entity = tags.get(1).copied().unwrap_or(0);
         let next = self.blocks.len();
-        let place = *self.places.entry((of.number, group, entity)).or_insert(next);
+        let place = *self
+            .places
+            .entry((of.number, group, entity))
+            .or_insert(next);
         if place == next {
             self.blocks.push(Block {
                 of,
@@ -87,7 +90,10 @@ pub(super) fn elements(from: &mut Cursor) -> Outcome<Vec<Block>> {
         let together = from.checked(together, numbers - 1, 4 * numbers, "elements")? as u64;
         if together == 0 || together > total - found {
             let left = total - found;
-            return Err(from.fault(format!("{together} elements together"), format!("1 to {left}")));
+            return Err(from.fault(
+                format!("{together} elements together"),
+                format!("1 to {left}"),
+            ));
         }
         let mut values = vec![0; tags];
         for _ in 0..together {

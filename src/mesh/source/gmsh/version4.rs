@@ -114,7 +114,8 @@ pub(super) fn nodes(from: &mut Cursor) -> Outcome<Vec<(u64, [f64; 3])>> {
             (0, 0..=3) => 0,
             (1, 0..=3) => dimension,
             _ => {
-                let found = format!("a block with dimension {dimension} and parameters {is_parametric}");
+                let found =
+                    format!("a block with dimension {dimension} and parameters {is_parametric}");
                 return Err(from.fault(found, "a dimension up to 3, parameters 0 or 1"));
             }
         };
@@ -145,11 +146,19 @@ pub(super) fn elements(from: &mut Cursor, entities: &Entities) -> Outcome<Vec<Bl
         let number = from.int("a type of elements")?;
         let Some(of) = ElementType::of(number) else {
             let found = format!("elements of type {number} on entity {entity}");
-            return Err(from.fault(found, "types of lines, triangles and tetrahedra: 1, 2, 4, 8, 9, 11"));
+            return Err(from.fault(
+                found,
+                "types of lines, triangles and tetrahedra: 1, 2, 4, 8, 9, 11",
+            ));
         };
         let count = from.size("the number of elements in a block")?;
         let numbers = 1 + of.nodes;
-        let count = from.checked(count, numbers, numbers * from.size_bytes(), "elements in a block")?;
+        let count = from.checked(
+            count,
+            numbers,
+            numbers * from.size_bytes(),
+            "elements in a block",
+        )?;
         if usize::try_from(dimension) != Ok(of.dimension) {
             let found = format!("a {} on entity {entity} of dimension {dimension}", of.name);
             return Err(from.fault(found, format!("dimension {}", of.dimension)));
