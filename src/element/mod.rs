@@ -44,7 +44,7 @@ pub enum ElementKind {
     /// Linear simplex, in 2D and 3D.
     #[default]
     P1,
-    /// Quadratic triangle with straight sides, in 2D: about four times the unknowns of `p1` on the same cells, and
+    /// Quadratic triangle, in 2D, with straight sides unless a mesh file bends them: about four times the unknowns of `p1` on the same cells, and
     /// errors of the next order wherever the solution is smooth. Vertices and midside nodes are contact nodes.
     P2,
 }

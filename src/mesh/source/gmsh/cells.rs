@@ -10,7 +10,7 @@ use super::fault::{Fault, Outcome};
 use super::names::Names;
 use crate::element::Element;
 use crate::mesh::MAX_NODES;
-use crate::message::number;
+use crate::message::{cut, number};
 use std::collections::BTreeSet;
 
 /// Share of the size of a body up to which a plane mesh may leave the plane z = 0.
@@ -115,7 +115,7 @@ impl Cells {
         for pair in order.windows(2) {
             if pair[0].0 == pair[1].0 {
                 let [a, b] = [pair[0].1 as usize, pair[1].1 as usize];
-                let region = |cell: usize| &self.regions[found.regions[cell] as usize];
+                let region = |cell: usize| cut(&self.regions[found.regions[cell] as usize]);
                 let found = format!(
                     "$Elements: elements {} (in {:?}) and {} (in {:?}) have the same corners",
                     found.tags[a],

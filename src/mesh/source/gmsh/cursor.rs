@@ -1,7 +1,7 @@
 //! Reads the words and numbers of an MSH file, text or binary, and says where it stands when it cannot.
 
 use super::fault::{Fault, Outcome};
-use crate::message::cut;
+use crate::message::{LONGEST, cut};
 
 /// How numbers are written.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,6 +21,12 @@ pub(super) struct Cursor<'a> {
     pub encoding: Encoding,
     /// Name of the section, for messages.
     pub section: String,
+}
+
+/// Whether a section may be called so.
+fn is_section(name: &str) -> bool {
+    let is_word = name.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_');
+    is_word && (1..=LONGEST).contains(&name.len()) && !name.starts_with("End")
 }
 
 /// Between two words: also what ends a line on Windows.
@@ -200,7 +206,7 @@ impl<'a> Cursor<'a> {
         let line = self.line();
         let name = line.strip_prefix(b"$").map(|name| name.trim_ascii());
         match name.and_then(|name| std::str::from_utf8(name).ok()) {
-            Some(name) if !name.is_empty() && !name.starts_with("End") => {
+            Some(name) if is_section(name) => {
                 self.section = name.to_owned();
                 Ok(Some(name.to_owned()))
             }
