@@ -46,7 +46,11 @@ impl Friction {
         }
         let of_cohesion = |i: &usize| self.law.is_cohesion(*i);
         let mut all = (0..self.coefficients.len()).filter(of_cohesion);
-        all.all(|i| self.coefficients[i].values().iter().all(|v| *v == 0.0))
+        all.all(|i| match &self.coefficients[i] {
+            Given::Number(value) => *value == 0.0,
+            Given::Nodes(values) => values.iter().all(|v| *v == 0.0),
+            given => *given == Given::Absent,
+        })
     }
 }
 
