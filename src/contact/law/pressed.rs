@@ -43,23 +43,39 @@ impl<'a> PressedLaw<'a> {
         }
     }
 
-    fn at(&self, node: usize, rate: f64, slip: SlipPath, pressure: f64) -> At<'_> {
+    /// The memory of a node.
+    fn memory(&self, node: usize) -> MemoryPath {
+        self.memory
+            .as_ref()
+            .map_or(MemoryPath::NONE, |memory| memory.path(node))
+    }
+
+    fn at(
+        &self,
+        node: usize,
+        rate: f64,
+        slip: SlipPath,
+        (pressure, memory): (f64, MemoryPath),
+    ) -> At<'_> {
         At {
             rate,
             slip,
             coefficients: self.coefficients,
             node,
             pressure,
-            memory: match &self.memory {
-                Some(memory) => memory.path(node),
-                None => MemoryPath::NONE,
-            },
+            memory,
         }
     }
-}
 
-impl PressedBounds for PressedLaw<'_> {
-    fn evaluate(&self, node: usize, rate: f64, force: f64, slip: SlipPath) -> PressedBound {
+    /// The bound of a node with this memory; see [`PressedBounds::evaluate`].
+    pub fn evaluate_with(
+        &self,
+        memory: MemoryPath,
+        node: usize,
+        rate: f64,
+        force: f64,
+        slip: SlipPath,
+    ) -> PressedBound {
         let weight = self.weights[node];
         let tension = self.coulomb.is_some_and(|coulomb| coulomb.tension);
         let [pressing, sign] = pressing(force, tension);
@@ -68,7 +84,9 @@ impl PressedBounds for PressedLaw<'_> {
         } else {
             0.0
         };
-        let said = self.kind.value(&self.at(node, rate, slip, pressure));
+        let said = self
+            .kind
+            .value(&self.at(node, rate, slip, (pressure, memory)));
         match &self.coulomb {
             Some(coulomb) => coulomb.bound(node, weight, [pressing, sign], said),
             None => PressedBound {
@@ -77,6 +95,12 @@ impl PressedBounds for PressedLaw<'_> {
                 by_force: sign * said.by_pressure,
             },
         }
+    }
+}
+
+impl PressedBounds for PressedLaw<'_> {
+    fn evaluate(&self, node: usize, rate: f64, force: f64, slip: SlipPath) -> PressedBound {
+        self.evaluate_with(self.memory(node), node, rate, force, slip)
     }
 
     fn weakening(&self, node: usize, force: f64) -> f64 {
@@ -88,6 +112,10 @@ impl PressedBounds for PressedLaw<'_> {
             base: 0.0,
             per_rate: self.per_rate,
         };
-        scale * self.kind.weakening(&self.at(node, 0.0, slip, 0.0))
+        let memory = self.memory(node);
+        scale
+            * self
+                .kind
+                .weakening(&self.at(node, 0.0, slip, (0.0, memory)))
     }
 }
