@@ -21,8 +21,8 @@ pub fn draw(
         return Ok(());
     };
     let body = &compilation.body;
-    let field = compilation.field(simulator.state().displacement());
-    let displacement = body.displacement(&field.map_err(Failure::of(&scene.name))?);
+    let displacement = compilation.nodal_displacement(simulator.state());
+    let displacement = displacement.map_err(Failure::of(&scene.name))?;
     let amount: Vec<f64> = displacement.iter().map(|u| u[0].hypot(u[1])).collect();
     let largest = amount.iter().copied().fold(0.0, f64::max);
     let factor = enlargement(largest / width.max(height));

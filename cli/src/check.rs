@@ -7,6 +7,7 @@ use crate::failure::Failure;
 use crate::source;
 use comfy_table::{Table, presets};
 use stickslip::message::number;
+use stickslip::model::certificate::CoulombConstants;
 use stickslip::ports::Causality;
 use stickslip::scene::{Scene, Scheme};
 use stickslip::{Error, Model};
@@ -51,6 +52,9 @@ pub fn check(choice: &SceneChoice) -> Result<(), Failure> {
 /// The certificate, number by number.
 fn constants(model: &Model) -> Vec<(&'static str, String)> {
     let c = model.certificate();
+    if let Some(coulomb) = &c.coulomb {
+        return coulomb_constants(model, coulomb);
+    }
     let product = c.c0_squared * c.l_g;
     let theorem = match c.is_theorem_satisfied() {
         true => format!(
@@ -88,6 +92,51 @@ fn constants(model: &Model) -> Vec<(&'static str, String)> {
         ("Theorem 5.3, (2.6)", theorem),
         ("(3.6)", step_limit(c.step_limit())),
         ("sharp condition", sharp),
+    ]
+}
+
+/// The same where friction follows the pressure.
+fn coulomb_constants(model: &Model, coulomb: &CoulombConstants) -> Vec<(&'static str, String)> {
+    let c = model.certificate();
+    let step = number(model.largest_step());
+    let sum = format!(
+        "max P L_mu / {} + {} < 1",
+        figure(c.sharp_step, 6),
+        figure(coulomb.strength(), 6)
+    );
+    let verdict = match c.largest_pressure() {
+        0.0 => "not decided: whether an internal step has one solution or several".to_owned(),
+        f64::INFINITY => "proved: every internal step has one solution, at any pressure".to_owned(),
+        pressure => format!(
+            "proved while the pressure is below {} Pa: an internal step has one solution then; not decided beyond",
+            figure(pressure, 6)
+        ),
+    };
+    let value = |value: f64, text: &str| format!("{} {text}", figure(value, 6));
+    vec![
+        (
+            "mu_max",
+            value(coulomb.coefficient, "(largest coefficient)"),
+        ),
+        (
+            "L_mu",
+            value(
+                coulomb.weakening,
+                "s/m (largest rate at which it falls with the slip rate)",
+            ),
+        ),
+        ("m", value(c.sharp_step, "Pa s/m (resistance to slip)")),
+        (
+            "c",
+            value(
+                coulomb.coupling,
+                "(how far the pressure follows the friction)",
+            ),
+        ),
+        (
+            "one solution",
+            format!("{verdict}; {sum} at time.step = {step} s"),
+        ),
     ]
 }
 

@@ -260,6 +260,16 @@ pub fn certificate(model: &Model) -> Vec<(&'static str, String)> {
         if c.is_theorem_satisfied() { "<" } else { ">=" },
     );
     let sharp = if c.is_step_unique() { ">" } else { "<=" };
+    if let Some(coulomb) = &c.coulomb {
+        let relation = match c.largest_pressure() {
+            f64::INFINITY => format!("mu_max c = {} < 1", figure(coulomb.strength(), 4)),
+            0.0 => format!("mu_max c = {}", figure(coulomb.strength(), 4)),
+            pressure => format!("at pressures below {} Pa only", figure(pressure, 4)),
+        };
+        let at = number(model.largest_step());
+        let text = verdict(c.is_step_unique(), &format!("{relation} at {at} s"));
+        return vec![("step", text)];
+    }
     let mut rows = vec![
         (
             "Theorem 5.3",

@@ -1,14 +1,18 @@
 //! The CSV of `run`: one row per communication point and contact node.
 //!
 //! `time,node,x,y,slip_rate,slip,accumulated_slip,tangential_stress,stick`; in 3D with `z` and with `_1`, `_2` on what has
-//! two tangential components. Numbers are the shortest that read back equal.
+//! two tangential components. Where the scene has them `pressure`, `gap` and `status` (0 open, 1 sticks, 2 slips) follow. Numbers are the shortest that read back equal.
 
-use crate::course::Frame;
+use crate::course::{Frame, NORMAL};
 use crate::failure::Failure;
 use crate::standard;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use stickslip::fem::ContactPatch;
+use stickslip::ports::Ports;
+
+/// The one that is a count.
+const STATUS: &str = NORMAL[2];
 
 pub struct ContactTable {
     path: PathBuf,
@@ -17,11 +21,15 @@ pub struct ContactTable {
 
 impl ContactTable {
     /// Creates the file, its folder if need be, and writes the header; `-` is standard output.
-    pub fn create(path: &Path, contact: &ContactPatch) -> Result<ContactTable, Failure> {
+    pub fn create(
+        path: &Path,
+        contact: &ContactPatch,
+        ports: &Ports,
+    ) -> Result<ContactTable, Failure> {
         let failed = Failure::writing(path);
         let mut writer = csv::Writer::from_writer(standard::create(path)?);
         writer
-            .write_record(header(contact.components))
+            .write_record(header(contact.components, ports))
             .map_err(|e| failed(&e))?;
         Ok(ContactTable {
             path: path.to_owned(),
@@ -43,7 +51,11 @@ impl ContactTable {
                 .chain(part(&frame.slip).into_iter().map(shortest))
                 .chain([shortest(frame.accumulated_slip[node])])
                 .chain(part(&frame.tangential_stress).into_iter().map(shortest))
-                .chain([format!("{}", frame.stick[node])]);
+                .chain([format!("{}", frame.stick[node])])
+                .chain(frame.normal.iter().map(|(name, values)| match *name {
+                    STATUS => format!("{}", values[node]),
+                    _ => shortest(values[node]),
+                }));
             self.writer
                 .write_record(row)
                 .map_err(|e| Failure::writing(&self.path)(&e))?;
@@ -58,7 +70,9 @@ impl ContactTable {
     }
 }
 
-fn header(components: usize) -> Vec<String> {
+fn header(components: usize, ports: &Ports) -> Vec<String> {
+    let normal = NORMAL.iter().filter(|name| ports.find(name).is_ok());
+    let normal = normal.map(|name| name.trim_start_matches("contact.").to_owned());
     let field = |name: &str| -> Vec<String> {
         match components {
             1 => vec![name.to_owned()],
@@ -74,6 +88,7 @@ fn header(components: usize) -> Vec<String> {
         .chain(["accumulated_slip".to_owned()])
         .chain(field("tangential_stress"))
         .chain(["stick".to_owned()])
+        .chain(normal)
         .collect()
 }
 

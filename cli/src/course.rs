@@ -15,7 +15,20 @@ pub struct Frame {
     pub tangential_stress: Vec<f64>,
     /// 1 where a node sticks.
     pub stick: Vec<f64>,
+    /// Names and values of what the contact has along its normal: pressure, gap, status; as far as the scene has them.
+    pub normal: Vec<(&'static str, Vec<f64>)>,
     pub energy: Energy,
+}
+
+/// Ports along the normal that a scene may have.
+pub const NORMAL: [&str; 3] = ["contact.pressure", "contact.gap", "contact.status"];
+
+impl Frame {
+    /// Values of a port along the normal.
+    pub fn normal(&self, name: &str) -> &[f64] {
+        let known = self.normal.iter().find(|(known, _)| *known == name);
+        known.map_or(&[], |(_, values)| values)
+    }
 }
 
 /// Energies since the start, J.
@@ -133,6 +146,10 @@ fn frame(simulator: &Simulator) -> stickslip::Result<Frame> {
         accumulated_slip: get("contact.accumulated_slip")?,
         tangential_stress: get("contact.tangential_stress")?,
         stick: get("contact.stick")?,
+        normal: NORMAL
+            .iter()
+            .filter_map(|name| Some((*name, get(name).ok()?)))
+            .collect(),
         energy: Energy {
             external_work: one("energy.external_work")?,
             elastic: one("energy.elastic")?,

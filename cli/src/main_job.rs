@@ -17,8 +17,9 @@ pub fn run() -> Result<(), Failure> {
     let out = Path::new(OUT);
     let scene = example::scene(&[])?;
     let finished = example::finish(&scene)?;
-    let contact = finished.compilation.model.contact();
-    let mut table = ContactTable::create(&out.join("kazmi2014.csv"), contact)?;
+    let model = &finished.compilation.model;
+    let contact = model.contact();
+    let mut table = ContactTable::create(&out.join("kazmi2014.csv"), contact, model.ports())?;
     for frame in &finished.frames {
         table.add(contact, frame)?;
     }

@@ -37,7 +37,11 @@ pub fn run(options: &RunOptions) -> Result<(), Failure> {
 
     let contact = &compilation.body.contact;
     let mut table = match &options.csv {
-        Some(path) => Some(ContactTable::create(path, contact)?),
+        Some(path) => Some(ContactTable::create(
+            path,
+            contact,
+            compilation.model.ports(),
+        )?),
         None => None,
     };
     let mut series = match &options.vtk {

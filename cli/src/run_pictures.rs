@@ -35,20 +35,33 @@ pub fn draw(
         Panel::Curves(line.curves(heading, Axis::new(quantity, unit), frames, values))
     };
     let where_ = line.description;
+    let rates = along("Slip rate", "slip rate", "m/s", |f| &f.slip_rate);
+    let stress = |f| {
+        let heading = "Tangential stress on the body";
+        along(heading, "tangential stress", "Pa", f)
+    };
+    let stress = stress(|f| &f.tangential_stress);
     sheet(
         format!("{name}: contact {where_}"),
         520,
-        vec![
-            along("Slip rate", "slip rate", "m/s", |f| &f.slip_rate),
-            along(
-                "Tangential stress on the body",
-                "tangential stress",
-                "Pa",
-                |f| &f.tangential_stress,
-            ),
-        ],
+        vec![rates, stress],
     )
     .save(folder, "contact")?;
+    let has = |port: &str| frames.first().is_some_and(|f| !f.normal(port).is_empty());
+    let normal = |heading: &str, quantity: &str, unit: &str, values: fn(&Frame) -> &[f64]| {
+        Panel::Curves(line.nodal_curves(heading, Axis::new(quantity, unit), frames, values))
+    };
+    if has("contact.pressure") {
+        let mut panels = vec![normal("Pressure", "pressure", "Pa", |f| {
+            f.normal("contact.pressure")
+        })];
+        if has("contact.gap") {
+            panels.push(normal("Gap", "gap", "m", |f| f.normal("contact.gap")));
+        }
+        sheet(format!("{name}: pressed {where_}"), 520, panels).save(folder, "pressure")?;
+        let panels = vec![Panel::Curves(friction_curve(contact, frames))];
+        sheet(format!("{name}: friction against sliding"), 560, panels).save(folder, "friction")?;
+    }
     sheet(
         format!("{name}: stick and slip in space and time"),
         640,
@@ -133,11 +146,33 @@ impl Line {
         frames: &[Frame],
         values: fn(&Frame) -> &[f64],
     ) -> Curves {
+        self.curves_of(heading, y, frames, values, self.components)
+    }
+
+    /// A field with one value per node.
+    fn nodal_curves(
+        &self,
+        heading: &str,
+        y: Axis,
+        frames: &[Frame],
+        values: fn(&Frame) -> &[f64],
+    ) -> Curves {
+        self.curves_of(heading, y, frames, values, 1)
+    }
+
+    fn curves_of(
+        &self,
+        heading: &str,
+        y: Axis,
+        frames: &[Frame],
+        values: fn(&Frame) -> &[f64],
+        components: usize,
+    ) -> Curves {
         if let [node] = self.nodes[..] {
             // a single node has a course, not a length
             let points = frames
                 .iter()
-                .map(|f| (f.time, values(f)[node * self.components]));
+                .map(|f| (f.time, values(f)[node * components]));
             return Curves {
                 heading: heading.to_owned(),
                 x: Axis::new("time", "s"),
@@ -160,7 +195,7 @@ impl Line {
                     .nodes
                     .iter()
                     .zip(&self.position)
-                    .map(|(&node, &x)| (x, values(frame)[node * self.components]))
+                    .map(|(&node, &x)| (x, values(frame)[node * components]))
                     .collect(),
             })
             .collect();
@@ -191,8 +226,53 @@ impl Line {
     }
 }
 
-/// Magnitude of the slip rate of a node; `None` where it sticks.
+/// Total friction force and normal force over the mean slip rate of the pressed nodes, first tangential components.
+fn friction_curve(contact: &ContactPatch, frames: &[Frame]) -> Curves {
+    let c = contact.components;
+    let point = |frame: &Frame| {
+        let pressure = frame.normal("contact.pressure");
+        let pressed = (0..contact.node_count()).filter(|n| pressure[*n] > 0.0);
+        let (mut area, mut slid, mut friction, mut normal) = (0.0, 0.0, 0.0, 0.0);
+        for node in pressed {
+            let weight = contact.weights[node];
+            area += weight;
+            slid += weight * frame.slip_rate[node * c];
+            friction += weight * frame.tangential_stress[node * c];
+            normal += weight * pressure[node];
+        }
+        (area > 0.0).then(|| (slid / area, friction, normal))
+    };
+    let points: Vec<_> = frames.iter().filter_map(point).collect();
+    let series = |name: &str, colour, points| Series {
+        name: name.to_owned(),
+        colour,
+        mark: Mark::Line,
+        points,
+    };
+    Curves {
+        heading: "Forces of the foundation on the body".to_owned(),
+        x: Axis::new("mean slip rate of pressed nodes", "m/s"),
+        y: Axis::new("force", "N"),
+        series: vec![
+            series(
+                "friction",
+                BLUE,
+                points.iter().map(|p| (p.0, p.1)).collect(),
+            ),
+            series(
+                "normal",
+                ORANGE,
+                points.iter().map(|p| (p.0, p.2)).collect(),
+            ),
+        ],
+    }
+}
+
+/// Magnitude of the slip rate of a node; `None` where it sticks, or is open.
 fn rate(frame: &Frame, node: usize) -> Option<f64> {
+    if frame.normal("contact.status").get(node) == Some(&0.0) {
+        return None;
+    }
     let c = frame.slip_rate.len() / frame.stick.len();
     let w = &frame.slip_rate[node * c..(node + 1) * c];
     let magnitude = w.iter().map(|v| v * v).sum::<f64>().sqrt();

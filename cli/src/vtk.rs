@@ -1,7 +1,7 @@
 //! The deformed body at every communication point, as legacy VTK files and a `.vtk.series` index.
 //!
 //! Point data in global axes: `displacement` (m), `velocity` (m/s), `tangential_stress` on the body (Pa; zero off the
-//! contact). Nodes stand where they were before the deformation, cells are triangles, quadratic triangles or tetrahedra.
+//! contact), and where the scene has them `pressure` (Pa), `gap` (m) and `status` of the contact nodes. Nodes stand where they were before the deformation, cells are triangles, quadratic triangles or tetrahedra.
 
 use crate::course::Frame;
 use crate::failure::Failure;
@@ -61,16 +61,18 @@ impl Series {
     ) -> Result<(), Failure> {
         let state = simulator.state();
         let body = &compilation.body;
-        let nodal = |states: &[f64]| {
-            let field = compilation.field(states);
-            let field = field.map_err(Failure::of(&compilation.model.summary().name))?;
-            Ok::<_, Failure>(body.displacement(&field).concat())
-        };
-        let point = vec![
-            Attribute::vectors("displacement").with_data(nodal(state.displacement())?),
-            Attribute::vectors("velocity").with_data(nodal(state.velocity())?),
+        let failed = Failure::of(&compilation.model.summary().name);
+        let displacement = compilation.nodal_displacement(state).map_err(&failed)?;
+        let velocity = compilation.nodal_velocity(state).map_err(&failed)?;
+        let mut point = vec![
+            Attribute::vectors("displacement").with_data(displacement.concat()),
+            Attribute::vectors("velocity").with_data(velocity.concat()),
             Attribute::vectors("tangential_stress").with_data(stress(body, frame)),
         ];
+        for (name, values) in &frame.normal {
+            let name = name.trim_start_matches("contact.");
+            point.push(Attribute::scalars(name, 1).with_data(scalars(body, values)));
+        }
         let grid = UnstructuredGridPiece {
             points: body.mesh.nodes.concat().into(),
             cells: cells(body),
@@ -139,6 +141,16 @@ fn cells(body: &Body) -> Cells {
         },
         types: vec![kind; mesh.cell_count()],
     }
+}
+
+/// Values of the contact nodes at all nodes; zero off the contact.
+fn scalars(body: &Body, values: &[f64]) -> Vec<f64> {
+    let mut nodal = vec![0.0; body.mesh.nodes.len()];
+    for (&node, value) in body.contact.nodes.iter().zip(values) {
+        nodal[node as usize] = *value;
+    }
+    let leaders = body.mesh.leader.iter();
+    leaders.map(|&leader| nodal[leader as usize]).collect()
 }
 
 /// Tangential stress at all nodes, in global axes.

@@ -60,6 +60,14 @@ impl Follows {
             | Quantity::ContactForce
             | Quantity::MaxSlipRate
             | Quantity::StickFraction
+            | Quantity::Pressure
+            | Quantity::Gap
+            | Quantity::Status
+            | Quantity::NormalForce
+            | Quantity::OpenFraction
+            | Quantity::DriveVelocity(_)
+            | Quantity::DriveForce(_)
+            | Quantity::FoundationForce(_)
             | Quantity::LoadVelocity(_)
             | Quantity::ProbeVelocity(_)
             | Quantity::Iterations
@@ -67,12 +75,17 @@ impl Follows {
             | Quantity::Solutions
             | Quantity::SolutionGap
             | Quantity::LostDigits => Follows::Loads,
-            Quantity::ErrorEstimate => Follows::LoadsAfterStart,
-            Quantity::Load(_)
+            Quantity::ErrorEstimate
+            | Quantity::MeanTangentialStress
+            | Quantity::MeanSlipRate
+            | Quantity::MeanPressure => Follows::LoadsAfterStart,
+            Quantity::Input(_)
             | Quantity::Coefficient(_)
             | Quantity::Slip
             | Quantity::AccumulatedSlip
+            | Quantity::FrictionState
             | Quantity::LoadDisplacement(_)
+            | Quantity::DriveDisplacement(_)
             | Quantity::ProbeDisplacement(_)
             | Quantity::ExternalWork
             | Quantity::ElasticEnergy

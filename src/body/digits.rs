@@ -101,10 +101,10 @@ impl Ends {
     }
 }
 
-/// Loads and smooth contact forces, by dofs: along each tangent a uniform traction and one that changes its sign.
+/// Loads and smooth contact forces, by dofs: along each contact direction a uniform traction and one that changes its sign.
 fn forces(ports: &PortMatrix, body: &Body) -> Mat<f64> {
     let contact = &body.contact;
-    let (c, last) = (contact.components, contact.node_count().max(2) - 1);
+    let (c, last) = (contact.stride(), contact.node_count().max(2) - 1);
     let on_contact = Mat::from_fn(ports.contact_len, 2 * c, |i, j| {
         let (node, component) = (i / c, i % c);
         let wave = match j / c {
@@ -117,7 +117,7 @@ fn forces(ports: &PortMatrix, body: &Body) -> Mat<f64> {
             0.0
         }
     });
-    ports.forces(body.loads.len(), &on_contact)
+    ports.forces(body.force_columns().count(), &on_contact)
 }
 
 /// Largest relative error of the responses (by dofs, one per column) of the operator with these values.

@@ -19,7 +19,7 @@ pub struct Field {
     /// Entries of the strain norm, where it is no combination of the operators.
     pub strain: Option<Vec<f64>>,
     pub contact_len: usize,
-    /// Load columns F.
+    /// Columns of forces: loads, then driven parts.
     pub loads: Vec<SparseVector>,
     /// Rows of the outputs that follow the loads: the probes.
     pub probes: Vec<SparseVector>,
@@ -42,7 +42,7 @@ impl Field {
                 StrainNorm::Assembled(values) => Some(values.clone()),
             },
             contact_len: body.contact_len(),
-            loads: body.loads.iter().map(|l| l.entries.clone()).collect(),
+            loads: body.force_columns().cloned().collect(),
             probes: body
                 .probes
                 .iter()

@@ -30,6 +30,8 @@ pub struct Stage {
     pub s: Mat<f64>,
     /// Factor of `M`, in a layout that the body model alone knows.
     pub factor: Vec<f64>,
+    /// Diagonal of `S^-1`, m/(N s), where it is asked for.
+    pub yielding: Vec<f64>,
 }
 
 /// Scratch of one simulator; never changes a result.
@@ -93,13 +95,40 @@ pub trait BodyModel: Send + Sync {
 }
 
 impl Stage {
-    /// An empty stage for `model`.
-    pub fn new(model: &dyn BodyModel) -> Stage {
+    /// An empty stage for `model`, with the diagonal of the compliance or without.
+    pub fn new(model: &dyn BodyModel, has_yielding: bool) -> Stage {
         Stage {
             theta_k: None,
             s: Mat::zeros(model.contact_len(), model.contact_len()),
             factor: vec![0.0; model.factor_len()],
+            yielding: vec![0.0; if has_yielding { model.contact_len() } else { 0 }],
         }
+    }
+}
+
+impl Stage {
+    /// Fills the diagonal of `S^-1`, where there is room for it.
+    fn find_yielding(&mut self, scratch: &mut Scratch) -> Result<()> {
+        let m = self.yielding.len();
+        if m == 0 {
+            return Ok(());
+        }
+        let s = self.s.as_ref();
+        if !scratch.dense.factor(m, |j, column| {
+            for (i, entry) in (j..).zip(column) {
+                *entry = s[(i, j)];
+            }
+        }) {
+            return Err(crate::Error::NotPositiveDefinite {
+                what: "the condensed contact operator",
+                pivot: 0,
+            });
+        }
+        scratch.dense.prepare_solves();
+        for (i, yielding) in self.yielding.iter_mut().enumerate() {
+            *yielding = scratch.dense.inverse_diagonal(i);
+        }
+        Ok(())
     }
 }
 
@@ -108,19 +137,28 @@ pub struct StageCache {
     stages: Vec<Stage>,
     last_use: Vec<u64>,
     clock: u64,
+    current: usize,
     /// Factorizations made so far.
     pub factorizations: u64,
 }
 
 impl StageCache {
-    /// Room for the stages of `sizes` step sizes.
-    pub fn new(model: &dyn BodyModel, sizes: usize) -> StageCache {
+    /// Room for the stages of `sizes` step sizes, with the diagonal of the contact compliance or without.
+    pub fn new(model: &dyn BodyModel, sizes: usize, has_yielding: bool) -> StageCache {
         StageCache {
-            stages: (0..sizes).map(|_| Stage::new(model)).collect(),
+            stages: (0..sizes)
+                .map(|_| Stage::new(model, has_yielding))
+                .collect(),
             last_use: vec![0; sizes],
             clock: 0,
+            current: 0,
             factorizations: 0,
         }
+    }
+
+    /// The stage that was asked for last.
+    pub fn current(&self) -> &Stage {
+        &self.stages[self.current]
     }
 
     /// Times that a stage was asked for.
@@ -153,11 +191,13 @@ impl StageCache {
                 stage.theta_k = None;
                 self.factorizations += 1;
                 model.factor(theta_k, stage, scratch)?;
+                stage.find_yielding(scratch)?;
                 stage.theta_k = Some(theta_k);
                 oldest
             }
         };
         self.last_use[slot] = self.clock;
+        self.current = slot;
         Ok(&self.stages[slot])
     }
 }

@@ -6,6 +6,8 @@
 
 use super::cell::Simplex;
 use super::dofs::DofMap;
+use super::driven::Drives;
+use super::foundation;
 use super::loads::{LoadColumn, ProbeRows, load_columns, probe_rows};
 use super::operators::OperatorPair;
 use super::strain::StrainNorm;
@@ -30,6 +32,12 @@ pub struct ContactPatch {
     pub tangents: Vec<[[f64; 3]; 2]>,
     /// Tangential components per node: dimension - 1.
     pub components: usize,
+    /// Whether the normal component is kept: forces and velocities then have it after the tangential ones, directed into the body.
+    pub has_normal: bool,
+    /// Unit normals from the foundation into the body.
+    pub normals: Vec<[f64; 3]>,
+    /// Gap of the undeformed body, m, >= 0 unless the foundation gives way; empty where contact is bilateral.
+    pub gaps: Vec<f64>,
     /// Number of faces of the contact part.
     pub faces: usize,
 }
@@ -49,6 +57,10 @@ pub struct Body {
     pub loads: Vec<LoadColumn>,
     /// Rows of each probe of the scene, in its order.
     pub probes: Vec<ProbeRows>,
+    /// Motions of driven parts.
+    pub drives: Drives,
+    /// Velocities of the foundation at the contact components by a unit of each of its motions.
+    pub foundation: Vec<Vec<f64>>,
     /// Viscosity A (Pa s) and elasticity B (Pa) of every region of the mesh.
     pub forms: Vec<[Form; 2]>,
     /// The strain norm.
@@ -88,11 +100,25 @@ impl Body {
         let forms = forms(scene, &mesh)?;
         let dofs = DofMap::new(scene, &mesh)?;
         let operators = OperatorPair::from_elements(&mesh, &dofs, &forms);
+        let (loads, load_rows) = load_columns(scene, &mesh, &dofs)?;
+        let (probes, nodal_rows) = probe_rows(scene, &mesh, &dofs)?;
+        let drives = Drives::new(
+            scene,
+            &mesh,
+            &dofs,
+            &forms,
+            &operators,
+            &interior_places(&mesh, &dofs),
+            (&load_rows, &nodal_rows),
+        )?;
+        let contact = contact_patch(scene, &mesh, &dofs)?;
         Ok(Body {
             operators,
-            contact: contact_patch(scene, &mesh, &dofs)?,
-            loads: load_columns(scene, &mesh, &dofs)?,
-            probes: probe_rows(scene, &mesh, &dofs)?,
+            foundation: foundation::motions(scene, &contact)?,
+            contact,
+            loads,
+            probes,
+            drives,
             strain: StrainNorm::new(&mesh, &dofs, &forms),
             element_rates: rates(&forms, mesh.dimension),
             forms,
@@ -111,22 +137,20 @@ impl Body {
         self.dofs.is_empty()
     }
 
-    /// Number of tangential contact components: they are the last ones.
+    /// Number of contact components: they are the last ones.
     pub fn contact_len(&self) -> usize {
-        self.contact.nodes.len() * self.contact.components
+        self.contact.force_len()
     }
 
     /// Coordinates of the node of every component that is not a contact one, m; z = 0 in 2D.
     pub fn interior_places(&self) -> Vec<[f64; 3]> {
-        let mut places = vec![[0.0; 3]; self.dofs.contact_start()];
-        for (node, leader) in self.mesh.leader.iter().enumerate() {
-            if *leader as usize == node
-                && let Some(places) = places.get_mut(self.dofs.range(*leader))
-            {
-                places.fill(self.mesh.nodes[node]);
-            }
-        }
-        places
+        interior_places(&self.mesh, &self.dofs)
+    }
+
+    /// The columns of forces: those of the loads, then those of driven parts that are not zero.
+    pub fn force_columns(&self) -> impl Iterator<Item = &Vec<(usize, f64)>> {
+        let loads = self.loads.iter().map(|load| &load.entries);
+        loads.chain(self.drives.force_columns())
     }
 
     /// `|eps(u)|` in L2 of a field of free components.
@@ -148,6 +172,19 @@ impl Body {
             .map(|node| self.dofs.vector(node, field))
             .collect()
     }
+}
+
+/// Coordinates of the node of every component that is not a contact one.
+fn interior_places(mesh: &Mesh, dofs: &DofMap) -> Vec<[f64; 3]> {
+    let mut places = vec![[0.0; 3]; dofs.contact_start()];
+    for (node, leader) in mesh.leader.iter().enumerate() {
+        if *leader as usize == node
+            && let Some(places) = places.get_mut(dofs.range(*leader))
+        {
+            places.fill(mesh.nodes[node]);
+        }
+    }
+    places
 }
 
 /// The forms of A and B in every region of the mesh.
@@ -194,14 +231,25 @@ fn contact_patch(scene: &Scene, mesh: &Mesh, dofs: &DofMap) -> Result<ContactPat
         let second = if components == 2 { frame[1] } else { [0.0; 3] };
         [frame[0], second]
     };
-    Ok(ContactPatch {
+    let has_normal = scene.is_pressed();
+    let sign = if has_normal { 1.0 } else { -1.0 };
+    let normals = nodes.iter().map(|&node| {
+        let normal = dofs.frame(node)[components];
+        normal.map(|n| 0.0 + sign * n)
+    });
+    let mut patch = ContactPatch {
+        has_normal,
+        normals: normals.collect(),
+        gaps: Vec::new(),
         points: nodes.iter().map(|&n| mesh.nodes[n as usize]).collect(),
         weights: dofs.contact_weights().to_vec(),
         tangents: nodes.iter().map(tangents).collect(),
         components,
         faces: mesh.faces(&scene.contact.part, "contact.part")?.count(),
         nodes,
-    })
+    };
+    patch.gaps = foundation::initial_gap(scene, mesh, &patch)?;
+    Ok(patch)
 }
 
 impl ContactPatch {
@@ -213,6 +261,16 @@ impl ContactPatch {
     /// Number of tangential components: nodes times components.
     pub fn len(&self) -> usize {
         self.nodes.len() * self.components
+    }
+
+    /// Components of forces and velocities per node: the tangential ones and, where it is kept, the normal one.
+    pub fn stride(&self) -> usize {
+        self.components + usize::from(self.has_normal)
+    }
+
+    /// Number of components of forces and velocities.
+    pub fn force_len(&self) -> usize {
+        self.nodes.len() * self.stride()
     }
 
     /// Whether nothing is in contact; never so for an assembled body.

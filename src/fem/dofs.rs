@@ -1,10 +1,14 @@
 //! Numbers of the free displacement components.
 //!
-//! * Clamped nodes have none; a clamped node on the contact part is not a contact node.
-//! * A contact node keeps its tangential components only, in the frame `(t1, t2, n)` (3D) or `(t1, n)` (2D): bilateral
+//! * Clamped nodes have none, nor have those of a part that is driven as a whole; such a node on the contact part is not a contact
+//!   node.
+//! * Nodes of a part that is driven along some directions have components along the others.
+//! * A contact node keeps its tangential components, in the frame `(t1, t2, n)` (3D) or `(t1, n)` (2D): bilateral
 //!   contact sets the normal one to zero. n is the unit outward normal, the mean of the adjacent contact faces weighted by
 //!   their areas; t1 is the projection of `contact.tangent` or else of the x axis (of the y axis where n is parallel to x);
 //!   t2 = n x t1, so that (t1, t2, n) is right-handed: on a bottom (n = -y) t1 = x and t2 = z.
+//! * Where the scene needs the normal motion ([`Scene::is_pressed`]) a contact node keeps a component along -n too, from the
+//!   foundation into the body: forces that press are positive, and so is what opens the gap.
 //! * Every other node has `dimension` components along the global axes.
 //! * A node that follows another one (periodicity) has the numbers of its leader, and all conditions are put on the leader.
 //!
@@ -12,6 +16,7 @@
 //! Cholesky factor is then the operator condensed onto the contact.
 
 use super::cell::{area_vector, face_integrals, point};
+use super::driven::{Held, held_nodes};
 use crate::error::{Error, Result};
 use crate::mesh::Mesh;
 use crate::message::cut;
@@ -43,6 +48,10 @@ pub struct DofMap {
     contact_nodes: Vec<u32>,
     /// Per contact node: free directions first, then the normal; unused ones are zero.
     frames: Vec<[[f64; 3]; 3]>,
+    /// Free components of a contact node.
+    contact_components: usize,
+    /// Nodes that are free along some directions only, ascending, with their number and frame.
+    partly_free: Vec<(u32, usize, [[f64; 3]; 3])>,
     /// Per contact node: integral of its shape function over the contact part, m or m^2.
     weights: Vec<f64>,
 }
@@ -67,6 +76,13 @@ impl DofMap {
                 is_held[leader(node)] = true;
             }
         }
+        let mut partly_free = Vec::new();
+        for (node, held) in held_nodes(scene, mesh, &is_held)? {
+            match held {
+                Held::Whole => is_held[node as usize] = true,
+                Held::Partly(free, frame) => partly_free.push((node, free, frame)),
+            }
+        }
 
         let mut normal_sums = vec![Vector3::zeros(); count];
         let mut masses = vec![0.0; count];
@@ -88,25 +104,49 @@ impl DofMap {
             let found = cut(&format!("{:?}", scene.clamped));
             return Err(scene_error("clamped", found, allowed.to_owned()));
         }
+        if let Some((node, ..)) = partly_free.iter().find(|n| is_contact[n.0 as usize]) {
+            let at = mesh.nodes[*node as usize];
+            let found = format!(
+                "a part with the contact node at {at:?} that is free along some directions"
+            );
+            let allowed = "parts without contact nodes, or driven along all directions";
+            return Err(scene_error("driven", found, allowed.to_owned()));
+        }
         let mut framed = Vec::with_capacity(nodes.len());
         for node in nodes {
             let frame = frame(scene, mesh, node, normal_sums[node as usize])?;
             framed.push((node, frame));
         }
         order_along_contact(mesh, &mut framed);
+        let normal = mesh.dimension - 1;
+        if scene.is_pressed() {
+            for (_, frame) in &mut framed {
+                frame[normal] = frame[normal].map(|n| 0.0 - n);
+            }
+        }
 
         let weights = framed
             .iter()
             .map(|(node, _)| masses[*node as usize])
             .collect();
-        Ok(DofMap::number(mesh, &is_held, &framed, weights))
+        let contact_components = normal + usize::from(scene.is_pressed());
+        Ok(DofMap::number(
+            mesh,
+            &is_held,
+            partly_free,
+            &framed,
+            contact_components,
+            weights,
+        ))
     }
 
     /// Numbers the components of the nodes that are not held; those of the contact nodes with their frames come last.
     pub(super) fn number(
         mesh: &Mesh,
         is_held: &[bool],
+        partly_free: Vec<(u32, usize, [[f64; 3]; 3])>,
         framed: &[(u32, [[f64; 3]; 3])],
+        contact_components: usize,
         weights: Vec<f64>,
     ) -> DofMap {
         let count = mesh.nodes.len();
@@ -118,6 +158,8 @@ impl DofMap {
             contact: vec![NONE; count],
             contact_nodes: framed.iter().map(|(node, _)| *node).collect(),
             frames: framed.iter().map(|(_, frame)| *frame).collect(),
+            contact_components,
+            partly_free,
             weights,
         };
         for (i, &node) in map.contact_nodes.iter().enumerate() {
@@ -128,13 +170,13 @@ impl DofMap {
             let is_leader = mesh.leader[node] as usize == node;
             if is_leader && !is_held && map.contact[node] == NONE {
                 map.first[node] = next;
-                next += mesh.dimension as u32;
+                next += map.partly(node as u32).map_or(mesh.dimension, |p| p.1) as u32;
             }
         }
         map.contact_start = next as usize;
         for &node in &map.contact_nodes {
             map.first[node as usize] = next;
-            next += mesh.dimension as u32 - 1;
+            next += contact_components as u32;
         }
         map.len = next as usize;
         for node in 0..count {
@@ -166,10 +208,16 @@ impl DofMap {
             return 0..0;
         }
         let components = match self.contact_index(node) {
-            Some(_) => self.dimension - 1,
-            None => self.dimension,
+            Some(_) => self.contact_components,
+            None => self.partly(node).map_or(self.dimension, |p| p.1),
         };
         first as usize..first as usize + components
+    }
+
+    /// What is free of a node that is free along some directions only.
+    fn partly(&self, node: u32) -> Option<&(u32, usize, [[f64; 3]; 3])> {
+        let at = self.partly_free.binary_search_by_key(&node, |p| p.0).ok()?;
+        self.partly_free.get(at)
     }
 
     /// Number of a local component of a node; `None` where it vanishes.
@@ -177,13 +225,18 @@ impl DofMap {
         self.range(node).nth(component)
     }
 
-    /// Directions (global coordinates, unit) of the local components of a node: the global axes, or `t1[, t2], n` at a
-    /// contact node.
+    /// Directions (global coordinates, unit) of the local components of a node: the global axes, `t1[, t2], n` at a
+    /// contact node (-n where it has a normal component), those that are free first at a node that is driven along the others.
     pub fn frame(&self, node: u32) -> &[[f64; 3]; 3] {
         match self.contact_index(node) {
             Some(i) => &self.frames[i],
-            None => &GLOBAL,
+            None => self.partly(node).map_or(&GLOBAL, |p| &p.2),
         }
+    }
+
+    /// Free components of a contact node.
+    pub fn contact_components(&self) -> usize {
+        self.contact_components
     }
 
     /// Index of a node among the contact nodes; a follower has that of its leader.

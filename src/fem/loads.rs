@@ -5,6 +5,7 @@
 
 use super::cell::{Cell, Simplex, face_integrals};
 use super::dofs::{DofMap, direction};
+use super::driven::NodalRows;
 use crate::element::MOST_NODES;
 use crate::error::Result;
 use crate::mesh::Mesh;
@@ -43,8 +44,13 @@ pub struct ProbeRows {
 ///
 /// # Errors
 /// [`crate::Error::Scene`] for a missing or unknown part or a direction without length.
-pub(super) fn load_columns(scene: &Scene, mesh: &Mesh, dofs: &DofMap) -> Result<Vec<LoadColumn>> {
+pub(super) fn load_columns(
+    scene: &Scene,
+    mesh: &Mesh,
+    dofs: &DofMap,
+) -> Result<(Vec<LoadColumn>, NodalRows)> {
     let mut columns = Vec::with_capacity(scene.loads.len());
+    let mut rows = NodalRows::new();
     for (i, load) in scene.loads.iter().enumerate() {
         let unit = direction(&load.direction, &format!("loads[{i}].direction"))?;
         let mut shares = vec![0.0; mesh.nodes.len()];
@@ -71,11 +77,14 @@ pub(super) fn load_columns(scene: &Scene, mesh: &Mesh, dofs: &DofMap) -> Result<
             }
         }
         let mut entries = Vec::new();
+        let mut row = Vec::new();
         for (node, &share) in shares.iter().enumerate() {
             if share != 0.0 {
                 add_components(dofs, node as u32, unit * share, &mut entries);
+                row.push((node as u32, unit * share));
             }
         }
+        rows.push(row);
         columns.push(LoadColumn {
             name: load.name.clone(),
             entries: merged(entries),
@@ -84,15 +93,20 @@ pub(super) fn load_columns(scene: &Scene, mesh: &Mesh, dofs: &DofMap) -> Result<
             interpolation: load.interpolation,
         });
     }
-    Ok(columns)
+    Ok((columns, rows))
 }
 
 /// The rows of every probe of the scene.
 ///
 /// # Errors
 /// [`crate::Error::Scene`] for a point outside the body.
-pub(super) fn probe_rows(scene: &Scene, mesh: &Mesh, dofs: &DofMap) -> Result<Vec<ProbeRows>> {
+pub(super) fn probe_rows(
+    scene: &Scene,
+    mesh: &Mesh,
+    dofs: &DofMap,
+) -> Result<(Vec<ProbeRows>, NodalRows)> {
     let mut probes = Vec::with_capacity(scene.probes.len());
+    let mut all = NodalRows::new();
     for (i, probe) in scene.probes.iter().enumerate() {
         let at = std::array::from_fn(|c| match c < mesh.dimension {
             true => probe.at.get(c).copied().unwrap_or(0.0),
@@ -108,12 +122,15 @@ pub(super) fn probe_rows(scene: &Scene, mesh: &Mesh, dofs: &DofMap) -> Result<Ve
         let mut rows = Vec::with_capacity(mesh.dimension);
         for axis in 0..mesh.dimension {
             let mut entries = Vec::new();
+            let mut row = Vec::new();
             for (&node, value) in mesh.cell(cell).iter().zip(values) {
                 let mut along = Vector3::zeros();
                 along[axis] = value;
                 add_components(dofs, node, along, &mut entries);
+                row.push((node, along));
             }
             rows.push(merged(entries));
+            all.push(row);
         }
         probes.push(ProbeRows {
             name: probe.name.clone(),
@@ -121,7 +138,7 @@ pub(super) fn probe_rows(scene: &Scene, mesh: &Mesh, dofs: &DofMap) -> Result<Ve
             rows,
         });
     }
-    Ok(probes)
+    Ok((probes, all))
 }
 
 /// The first cell that contains a point, and the values of its shape functions there.

@@ -6,6 +6,8 @@
 mod body;
 mod cell;
 mod dofs;
+mod driven;
+mod foundation;
 mod loads;
 mod operators;
 #[cfg(test)]
@@ -15,6 +17,7 @@ mod strain;
 pub use body::{Body, ContactPatch};
 pub use cell::{Cell, Simplex};
 pub use dofs::DofMap;
+pub use driven::Drives;
 pub use loads::{LoadColumn, ProbeRows};
 pub use operators::OperatorPair;
 pub use strain::StrainNorm;

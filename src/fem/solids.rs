@@ -33,7 +33,14 @@ fn on_boundary(mesh: &Mesh) -> Vec<bool> {
 }
 
 fn assemble(mesh: &Mesh, is_held: &[bool]) -> (DofMap, OperatorPair) {
-    let dofs = DofMap::number(mesh, is_held, &[], Vec::new());
+    let dofs = DofMap::number(
+        mesh,
+        is_held,
+        Vec::new(),
+        &[],
+        mesh.dimension - 1,
+        Vec::new(),
+    );
     let pair = OperatorPair::from_elements(mesh, &dofs, &[[FORM; 2]]);
     (dofs, pair)
 }

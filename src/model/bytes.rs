@@ -4,7 +4,8 @@
 //! models of equal scenes whose numbers differ (another mesh file, another machine's rounding), because the coordinates
 //! of a saved state mean something only together with the very numbers of the model.
 
-use super::certificate::Certificate;
+use super::certificate::{Certificate, CoulombConstants};
+use super::motions::Motions;
 use super::parts::Parts;
 use super::selection::Selection;
 use super::{BodyModel, Model, ReductionRecord, ensure_available};
@@ -22,7 +23,7 @@ use xxhash_rust::xxh3::xxh3_64;
 const FRAME: Frame = Frame {
     magic: *b"SLIPMODL",
     // also to be raised when states or steps of models with equal bytes are no longer interchangeable
-    format: 4,
+    format: 5,
     what: "compiled model",
 };
 
@@ -108,9 +109,15 @@ impl Model {
             c.sharp_instant,
             c.sharp_step,
         ]);
-        let measures: Vec<f64> = self.loads.iter().map(|l| l.measure).collect();
-        out.floats(&measures);
+        if let Some(coulomb) = c.coulomb {
+            // a coefficient may rise without limit
+            out.float(coulomb.coefficient.min(f64::MAX));
+            out.float(coulomb.weakening);
+            out.float(coulomb.coupling);
+        }
+        out.floats(&self.measures);
         write_contact(&self.contact, out);
+        self.motions.write(out);
         self.body.write(out);
     }
 }
@@ -138,6 +145,17 @@ fn read_parts(from: &mut Reader, scene: &Scene) -> Result<Parts> {
         }
     };
     let [c0_squared, l_g, m_a, l_b, sharp_instant, sharp_step] = array(from)?;
+    let coulomb = match scene.contact.friction.is_coulomb() {
+        false => None,
+        true => Some(CoulombConstants {
+            coefficient: match from.float()? {
+                f64::MAX => f64::INFINITY,
+                value => value,
+            },
+            weakening: from.float()?,
+            coupling: from.float()?,
+        }),
+    };
     let measures = from.finite()?;
     if measures.len() != scene.loads.len() {
         return Err(Reader::refusal("compiled model: number of loads"));
@@ -147,16 +165,18 @@ fn read_parts(from: &mut Reader, scene: &Scene) -> Result<Parts> {
         && is_positive(&measures)
         && is_positive(&[c0_squared, m_a, l_b, sharp_instant, sharp_step])
         && l_g >= 0.0
+        && coulomb.is_none_or(|c| c.coefficient >= 0.0 && c.weakening >= 0.0 && c.coupling >= 0.0)
         && achieved.is_finite();
     if !is_possible {
         return Err(Reader::refusal(
             "compiled model: rates, measures or certificate",
         ));
     }
-    let contact = read_contact(from, dimension - 1)?;
-    let loads = scene.loads.len();
+    let contact = read_contact(from, scene, dimension - 1)?;
+    let contact_len = contact.force_len();
+    let motions = Motions::read(from, scene, contact_len, dimension)?;
+    let loads = motions.force_count();
     let outputs = loads + scene.probes.len() * dimension;
-    let contact_len = contact.len();
     let has_strain = strain_weights.is_none();
     let mut field = || Field::read(from, free_dofs, contact_len, loads, outputs, has_strain);
     let body: Arc<dyn BodyModel> = match kind {
@@ -177,6 +197,7 @@ fn read_parts(from: &mut Reader, scene: &Scene) -> Result<Parts> {
         reduction: (kind == ModelKind::Reduced).then_some(ReductionRecord { shifts, achieved }),
         contact,
         measures,
+        motions,
         certificate: Certificate {
             c0_squared,
             l_g,
@@ -184,6 +205,7 @@ fn read_parts(from: &mut Reader, scene: &Scene) -> Result<Parts> {
             l_b,
             sharp_instant,
             sharp_step,
+            coulomb,
         },
         strain_weights,
         dimension,
@@ -230,17 +252,23 @@ fn write_contact(contact: &ContactPatch, out: &mut Writer) {
     out.floats(contact.points.as_flattened());
     out.floats(&contact.weights);
     out.floats(contact.tangents.as_flattened().as_flattened());
+    out.floats(contact.normals.as_flattened());
+    out.floats(&contact.gaps);
     out.word(contact.faces as u64);
 }
 
-fn read_contact(from: &mut Reader, components: usize) -> Result<ContactPatch> {
+fn read_contact(from: &mut Reader, scene: &Scene, components: usize) -> Result<ContactPatch> {
     let nodes = from.indices(u32::MAX as usize)?;
     let (points, weights, tangents) = (from.finite()?, from.finite()?, from.finite()?);
+    let (normals, gaps) = (from.finite()?, from.finite()?);
+    let can_open = scene.contact.condition.gap().is_some();
     let faces = from.size()?;
     let count = nodes.len();
     let is_consistent = points.len() == 3 * count
         && weights.len() == count
         && tangents.len() == 6 * count
+        && normals.len() == 3 * count
+        && gaps.len() == if can_open { count } else { 0 }
         && count > 0
         && faces <= u32::MAX as usize
         && weights.iter().all(|w| *w > 0.0);
@@ -257,6 +285,9 @@ fn read_contact(from: &mut Reader, components: usize) -> Result<ContactPatch> {
             .map(|v| [vector(&v[..3]), vector(&v[3..])])
             .collect(),
         components,
+        has_normal: scene.is_pressed(),
+        normals: normals.chunks_exact(3).map(vector).collect(),
+        gaps,
         faces,
     })
 }

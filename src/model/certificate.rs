@@ -11,11 +11,24 @@
 //!   `S` the condensed operator of `A + theta k B`: sharp for a common slope of all nodes, and the one to look at.
 //!
 //! The discrete `c0` uses the lumped contact mass, as the friction terms do.
+//!
+//! Where contact has a normal component the constants are those of its tangential part: at given normal velocities where contact
+//! is bilateral, at given normal forces, `1 / lambda_max(Omega^1/2 C_tt Omega^1/2)`, `C = S^-1`, where it opens or gives way.
+//! Under Coulomb's law with the pressure P a step has one solution when
+//!
+//! ```text
+//! max(P L_mu) / m + mu_max c < 1
+//! ```
+//!
+//! with `m` that constant, `L_mu` the largest rate at which the coefficient decreases and `mu_max` its largest value; `c` measures
+//! how far the normal forces follow the tangential ones: `|Omega^-1/2 S_nt S_tt^-1/2| / sqrt(m)` in bilateral contact, `sqrt(M / m)`
+//! with `M = lambda_max(Omega^-1/2 S_nn Omega^-1/2)` otherwise. It proves, and is far from sharp on fine meshes.
 
 use crate::error::{Error, Result};
 use crate::fem::{Body, StrainNorm};
-use crate::linalg::{SparseCholesky, symmetric_eigenvalues};
-use faer::Mat;
+use crate::linalg::{SparseCholesky, mirror_lower, symmetric_eigenvalues};
+use faer::linalg::solvers::Solve;
+use faer::{Mat, Side};
 
 /// What guarantees (or not) that every step has exactly one solution.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,12 +45,36 @@ pub struct Certificate {
     pub sharp_instant: f64,
     /// The same for the largest internal step, Pa s/m.
     pub sharp_step: f64,
+    /// What Coulomb's law adds; `None` for bounds that do not follow the pressure.
+    pub coulomb: Option<CoulombConstants>,
+}
+
+/// Constants of Coulomb's law on a body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CoulombConstants {
+    /// Largest coefficient of friction over nodes and slip rates; infinite where it rises without limit.
+    pub coefficient: f64,
+    /// Largest rate at which the coefficient of any node decreases with the slip rate, s/m.
+    pub weakening: f64,
+    /// c at the largest internal step.
+    pub coupling: f64,
+}
+
+impl CoulombConstants {
+    /// `mu_max c`: where it is below 1 and nothing weakens, every step has one solution.
+    pub fn strength(&self) -> f64 {
+        if self.coefficient == 0.0 {
+            0.0
+        } else {
+            self.coefficient * self.coupling
+        }
+    }
 }
 
 impl Certificate {
     /// Theorem 5.3 and (2.6): the continuous problem has one solution.
     pub fn is_theorem_satisfied(&self) -> bool {
-        self.c0_squared * self.l_g < self.m_a
+        self.coulomb.is_none() && self.c0_squared * self.l_g < self.m_a
     }
 
     /// Largest step for which (3.6) guarantees one solution; zero when no step does.
@@ -45,14 +82,38 @@ impl Certificate {
         ((self.m_a - self.c0_squared * self.l_g) / self.l_b).max(0.0)
     }
 
-    /// The sharp discrete condition at the largest internal step.
+    /// The sharp discrete condition at the largest internal step; under Coulomb's law the one that holds at any pressure.
     pub fn is_step_unique(&self) -> bool {
         self.margin() > 0.0
     }
 
+    /// Pressure, Pa, below which a step at the largest size has one solution under Coulomb's law; infinite where any will do, 0
+    /// where nothing is proved.
+    pub fn largest_pressure(&self) -> f64 {
+        match self.coulomb {
+            None => f64::INFINITY,
+            Some(coulomb) => {
+                let left = (1.0 - coulomb.strength()).max(0.0);
+                match coulomb.weakening {
+                    0.0 if left > 0.0 => f64::INFINITY,
+                    0.0 => 0.0,
+                    weakening => self.sharp_step * left / weakening,
+                }
+            }
+        }
+    }
+
     /// `sharp_step / L_g - 1`: by what share the slope of the law could grow before uniqueness is lost (negative: it is
-    /// not guaranteed); infinite for a bound that never decreases with the slip rate.
+    /// not guaranteed); infinite for a bound that never decreases with the slip rate. Under Coulomb's law `1 / (mu_max c) - 1`, or -1
+    /// where it depends on the pressure.
     pub fn margin(&self) -> f64 {
+        if let Some(coulomb) = self.coulomb {
+            return if self.largest_pressure() == f64::INFINITY {
+                1.0 / coulomb.strength() - 1.0
+            } else {
+                -1.0
+            };
+        }
         if self.l_g == 0.0 {
             f64::INFINITY
         } else {
@@ -61,34 +122,62 @@ impl Certificate {
     }
 }
 
-/// The certificate for a law that weakens at the rate `l_g` at most and the implicit weight `theta_k` (s) of the largest step;
-/// `sharp_constant(x, y)` is the smallest eigenvalue of `Omega^-1/2 S Omega^-1/2`, S the condensed operator of `x A + y B`.
+/// What a law says to the certificate.
+#[derive(Debug, Clone, Copy)]
+pub struct LawConstants {
+    /// Largest rate at which the bound of any node decreases with the slip rate, or the coefficient of friction.
+    pub weakening: f64,
+    /// Largest coefficient of friction, for Coulomb's law.
+    pub coefficient: Option<f64>,
+}
+
+/// The certificate for a law and the implicit weight `theta_k` (s) of the largest step; `constants(x, y)` are those of the
+/// condensed operator of `x A + y B`.
 ///
 /// # Errors
-/// Those of `sharp_constant` and of [`sharp_constant_of`].
+/// Those of `constants` and of [`constants_of`].
 pub fn certify(
     body: &Body,
     cholesky: &SparseCholesky,
-    l_g: f64,
+    law: LawConstants,
     theta_k: f64,
-    mut sharp_constant: impl FnMut(f64, f64) -> Result<f64>,
+    mut constants: impl FnMut(f64, f64) -> Result<Constants>,
 ) -> Result<Certificate> {
     let of_strains = match &body.strain {
-        StrainNorm::Combination(x, y) => sharp_constant(*x, *y)?,
-        StrainNorm::Assembled(values) => sharp_constant_of(body, cholesky, values)?,
+        StrainNorm::Combination(x, y) => constants(*x, *y)?,
+        StrainNorm::Assembled(values) => constants_of(body, cholesky, values)?,
     };
     let extremes = |which: usize, extreme: usize| {
         let of = body.forms.iter().map(move |forms| forms[which]);
         of.map(move |form| form.extremes(body.mesh.dimension)[extreme])
     };
+    let step = constants(1.0, theta_k)?;
     Ok(Certificate {
-        c0_squared: 1.0 / of_strains,
-        l_g,
+        c0_squared: 1.0 / of_strains.sharp,
+        l_g: if law.coefficient.is_some() {
+            0.0
+        } else {
+            law.weakening
+        },
         m_a: extremes(0, 0).fold(f64::INFINITY, f64::min),
         l_b: extremes(1, 1).fold(0.0, f64::max),
-        sharp_instant: sharp_constant(1.0, 0.0)?,
-        sharp_step: sharp_constant(1.0, theta_k)?,
+        sharp_instant: constants(1.0, 0.0)?.sharp,
+        sharp_step: step.sharp,
+        coulomb: law.coefficient.map(|coefficient| CoulombConstants {
+            coefficient,
+            weakening: law.weakening,
+            coupling: step.coupling,
+        }),
     })
+}
+
+/// Constants of a condensed contact operator.
+#[derive(Debug, Clone, Copy)]
+pub struct Constants {
+    /// Smallest eigenvalue of the resistance to slip, Pa s/m.
+    pub sharp: f64,
+    /// c; 0 without normal components.
+    pub coupling: f64,
 }
 
 /// Condensed contact operator of the operator with these entries.
@@ -105,33 +194,109 @@ fn condensed(body: &Body, cholesky: &SparseCholesky, values: &[f64]) -> Result<M
     Ok(s)
 }
 
-/// Smallest eigenvalue of `Omega^-1/2 S Omega^-1/2`, S the condensed contact operator of `x A + y B`, by a factorization.
+/// Those of the condensed contact operator of `x A + y B`, by a factorization.
 ///
 /// # Errors
 /// [`Error::NotPositiveDefinite`] when the body is not held.
-pub fn sharp_constant(body: &Body, cholesky: &SparseCholesky, (x, y): (f64, f64)) -> Result<f64> {
+pub fn factored_constants(
+    body: &Body,
+    cholesky: &SparseCholesky,
+    (x, y): (f64, f64),
+) -> Result<Constants> {
     let mut values = vec![0.0; body.operators.row_idx.len()];
     body.operators.combine(x, y, &mut values);
-    sharp_constant_of(body, cholesky, &values)
+    constants_of(body, cholesky, &values)
 }
 
 /// The same for the operator with these entries.
 ///
 /// # Errors
 /// [`Error::NotPositiveDefinite`] when the body is not held.
-pub fn sharp_constant_of(body: &Body, cholesky: &SparseCholesky, values: &[f64]) -> Result<f64> {
+pub fn constants_of(body: &Body, cholesky: &SparseCholesky, values: &[f64]) -> Result<Constants> {
     let s = condensed(body, cholesky, values)?;
-    let values = scaled_eigenvalues(body, &s, |omega| 1.0 / omega.sqrt())?;
-    positive(values.first().copied())
+    if !body.contact.has_normal {
+        let values = scaled_eigenvalues(body, &s, |omega| 1.0 / omega.sqrt())?;
+        let sharp = positive(values.first().copied())?;
+        return Ok(Constants {
+            sharp,
+            coupling: 0.0,
+        });
+    }
+    let mut s = s;
+    mirror_lower(s.as_mut());
+    normal_constants(body, &s, &inverse(&s)?)
 }
 
-/// The same from the contact compliance `C = S^-1`: one over the largest eigenvalue of `Omega^1/2 C Omega^1/2`.
+/// The same from the contact compliance `C = S^-1` (lower triangle).
 ///
 /// # Errors
 /// [`Error::Body`] for a compliance that is not positive.
-pub fn sharp_constant_of_compliance(body: &Body, compliance: &Mat<f64>) -> Result<f64> {
-    let values = scaled_eigenvalues(body, compliance, f64::sqrt)?;
-    positive(values.last().map(|largest| 1.0 / largest))
+pub fn constants_of_compliance(body: &Body, compliance: &Mat<f64>) -> Result<Constants> {
+    if !body.contact.has_normal {
+        let values = scaled_eigenvalues(body, compliance, f64::sqrt)?;
+        let sharp = positive(values.last().map(|largest| 1.0 / largest))?;
+        return Ok(Constants {
+            sharp,
+            coupling: 0.0,
+        });
+    }
+    let mut c = compliance.clone();
+    mirror_lower(c.as_mut());
+    normal_constants(body, &inverse(&c)?, &c)
+}
+
+/// With normal components, from S and its inverse.
+fn normal_constants(body: &Body, s: &Mat<f64>, c: &Mat<f64>) -> Result<Constants> {
+    let contact = &body.contact;
+    let (stride, components) = (contact.stride(), contact.components);
+    let places = |is_normal: bool| -> Vec<usize> {
+        let all = 0..contact.force_len();
+        all.filter(|i| (i % stride == components) == is_normal)
+            .collect()
+    };
+    let (tangential, normal) = (places(false), places(true));
+    let root = |i: usize| contact.weights[i / stride].sqrt();
+    let block = |from: &Mat<f64>, rows: &[usize], columns: &[usize], power: i32| {
+        Mat::from_fn(rows.len(), columns.len(), |i, j| {
+            let (i, j) = (rows[i], columns[j]);
+            from[(i, j)] * (root(i) * root(j)).powi(power)
+        })
+    };
+    let what = "the condensed contact operator";
+    let largest = |matrix: &Mat<f64>| -> Result<f64> {
+        let values = symmetric_eigenvalues(what, matrix.as_ref())?;
+        positive(values.last().copied())
+    };
+    if contact.gaps.is_empty() {
+        let own = block(s, &tangential, &tangential, -1);
+        let values = symmetric_eigenvalues(what, own.as_ref())?;
+        let sharp = positive(values.first().copied())?;
+        // |N S_tt^-1/2|^2 is the largest eigenvalue of N S_tt^-1 N^T, all scaled
+        let n = block(s, &normal, &tangential, -1);
+        let followed = &n * inverse(&own)? * n.transpose();
+        let followed = symmetric_eigenvalues(what, followed.as_ref())?;
+        let followed = followed.last().copied().unwrap_or(0.0).max(0.0);
+        return Ok(Constants {
+            sharp,
+            coupling: (followed / sharp).sqrt(),
+        });
+    }
+    let sharp = 1.0 / largest(&block(c, &tangential, &tangential, 1))?;
+    let stiffest = largest(&block(s, &normal, &normal, -1))?;
+    Ok(Constants {
+        sharp,
+        coupling: (stiffest / sharp).sqrt(),
+    })
+}
+
+fn inverse(matrix: &Mat<f64>) -> Result<Mat<f64>> {
+    let factor = matrix
+        .llt(Side::Lower)
+        .map_err(|_| Error::NotPositiveDefinite {
+            what: "the condensed contact operator",
+            pivot: 0,
+        })?;
+    Ok(factor.solve(Mat::<f64>::identity(matrix.nrows(), matrix.nrows())))
 }
 
 fn scaled_eigenvalues(

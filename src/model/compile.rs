@@ -1,8 +1,9 @@
 //! Scene -> Model, as one pipeline: pick the setting for a target, mesh and assemble, order for elimination, choose what is
 //! kept of the body, certify.
 
-use super::certificate::{certify, sharp_constant, sharp_constant_of_compliance};
+use super::certificate::{LawConstants, certify, constants_of_compliance, factored_constants};
 use super::memory::{Sizes, ensure_available};
+use super::motions::Motions;
 use super::parts::Parts;
 use super::selection::Selection;
 use crate::body::BodyModel;
@@ -21,6 +22,7 @@ use crate::mesh::Mesh;
 use crate::model::Model;
 use crate::progress::{Phase, Watch};
 use crate::scene::{ModelKind, Scene};
+use crate::state::State;
 use crate::time::scheme::Tableau;
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -112,7 +114,50 @@ impl Compilation {
         finish(scene, &self.body, &self.cholesky, &self.kept, None).map(Arc::new)
     }
 
-    /// Values at the free dofs of a displacement or velocity of the body (`State::displacement`, `State::velocity`).
+    /// Displacements of all nodes in a state, m, global axes (z = 0 in 2D); driven parts have moved as they were driven.
+    ///
+    /// # Errors
+    /// Those of [`Compilation::field`].
+    pub fn nodal_displacement(&self, state: &State) -> Result<Vec<[f64; 3]>> {
+        self.nodal(state.displacement(), |drive| {
+            state.drive_displacement[drive]
+        })
+    }
+
+    /// Velocities of all nodes in a state, m/s, as [`Compilation::nodal_displacement`].
+    ///
+    /// # Errors
+    /// Those of [`Compilation::field`].
+    pub fn nodal_velocity(&self, state: &State) -> Result<Vec<[f64; 3]>> {
+        let motions = self.model.motions();
+        self.nodal(state.velocity(), |drive| {
+            state.loads[motions.drive_input(drive)]
+        })
+    }
+
+    fn nodal(&self, states: &[f64], drive: impl Fn(usize) -> f64) -> Result<Vec<[f64; 3]>> {
+        let mut field = self.field(states)?;
+        let drives = &self.body.drives;
+        for (i, shape) in drives.shapes.iter().enumerate() {
+            let by = drive(i);
+            for (value, unit) in field.iter_mut().zip(shape) {
+                *value += by * unit;
+            }
+        }
+        let mut nodal = self.body.displacement(&field);
+        for (i, given) in drives.fields.iter().enumerate() {
+            let by = drive(i);
+            for (node, unit) in given {
+                for (value, unit) in nodal[*node as usize].iter_mut().zip(unit) {
+                    *value += by * unit;
+                }
+            }
+        }
+        Ok(nodal)
+    }
+
+    /// Values at the free dofs of a displacement or velocity of the body (`State::displacement`, `State::velocity`), without what
+    /// driven parts add to it.
     ///
     /// # Errors
     /// [`Error::NotPositiveDefinite`]; not for a body that could be compiled.
@@ -127,7 +172,7 @@ impl Compilation {
 /// An explicit scheme beyond its stability limit gives numbers that mean nothing.
 fn refuse_unstable(scene: &Scene, body: &Body) -> Result<()> {
     let step = scene.time.step;
-    let limit = Tableau::of(scene.time.scheme).stability_limit(body.element_rates[1]);
+    let limit = Tableau::of(scene.scheme()).stability_limit(body.element_rates[1]);
     match limit {
         Some(limit) if step > limit && !scene.time.force => Err(Error::Unstable { step, limit }),
         _ => Ok(()),
@@ -143,25 +188,27 @@ fn finish(
     selection: Option<Selection>,
 ) -> Result<Model> {
     let friction = scene.friction_on(&body.contact.points)?;
-    let tableau = Tableau::of(scene.time.scheme);
+    let tableau = Tableau::of(scene.scheme());
     let theta_k = tableau.theta() * scene.time.step;
-    let certificate = certify(
-        body,
-        cholesky,
-        friction.bounds().weakening(theta_k),
-        theta_k,
-        |x, y| match &kept.model {
-            KeptModel::Reduced(reduced) => {
-                sharp_constant_of_compliance(body, &reduced.compliance(x, y))
-            }
-            KeptModel::Whole(_) => sharp_constant(body, cholesky, (x, y)),
-        },
-    )?;
+    let law = LawConstants {
+        weakening: friction.bounds().weakening(theta_k),
+        coefficient: scene.contact.friction.is_coulomb().then(|| {
+            let nodes = 0..body.contact.node_count();
+            let largest = nodes.map(|node| friction.bounds().extremes(node)[0]);
+            largest.fold(0.0, f64::max)
+        }),
+    };
+    let constants = |x: f64, y: f64| match &kept.model {
+        KeptModel::Reduced(reduced) => constants_of_compliance(body, &reduced.compliance(x, y)),
+        KeptModel::Whole(_) => factored_constants(body, cholesky, (x, y)),
+    };
+    let certificate = certify(body, cholesky, law, theta_k, constants)?;
     let parts = Parts {
         kind: kept.kind,
         reduction: kept.reduction.clone(),
         contact: body.contact.clone(),
         measures: body.loads.iter().map(|l| l.measure).collect(),
+        motions: Motions::of(scene, body),
         certificate,
         strain_weights: match body.strain {
             StrainNorm::Combination(x, y) => Some((x, y)),

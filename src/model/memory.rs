@@ -28,7 +28,7 @@ pub struct Sizes {
     entries: f64,
     /// Entries of a sparse factor.
     factor: f64,
-    /// Tangential contact components, and the other ports.
+    /// Contact components, and the other ports.
     contact: f64,
     others: f64,
 }
@@ -52,7 +52,7 @@ impl Sizes {
             dofs,
             entries: element.row_entries as f64 * dofs,
             factor: separator,
-            contact: extent.contact * (d - 1.0),
+            contact: extent.contact * (d - 1.0 + f64::from(u8::from(scene.is_pressed()))),
             others: ports(scene),
         }
     }
@@ -136,7 +136,7 @@ impl Sizes {
 }
 
 fn ports(scene: &Scene) -> f64 {
-    (scene.loads.len() + scene.probes.len() * scene.mesh.dimension()) as f64
+    (scene.inputs().count() + scene.probes.len() * scene.mesh.dimension()) as f64
 }
 
 fn ensure(scene: &Scene, path: &str, found: String, needed: f64) -> Result<()> {

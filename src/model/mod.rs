@@ -4,6 +4,7 @@ mod bytes;
 pub mod certificate;
 mod compile;
 mod memory;
+pub(crate) mod motions;
 mod parts;
 mod selection;
 mod settings;
@@ -19,9 +20,10 @@ use crate::contact::law::ChosenLaw;
 use crate::contact::solve::fixed_point::FixedPoint;
 use crate::fem::ContactPatch;
 use crate::ports::Ports;
-use crate::scene::{Interpolation, ModelKind, Scene, Start};
+use crate::scene::{Condition, Interpolation, ModelKind, Scene, Start};
 use crate::time::scheme::Tableau;
 use certificate::Certificate;
+use motions::Motions;
 use std::sync::Arc;
 
 /// How the friction problem of a stage is solved.
@@ -50,15 +52,6 @@ impl SolverSettings {
             SolverSettings::FixedPoint(settings) => settings.max_iterations,
         }
     }
-}
-
-/// One load as the step and the ports see it.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct LoadInput {
-    /// Intensity at the start, Pa or N/m^3.
-    pub start: f64,
-    /// Area or volume, m^2 or m^3 (m or m^2 in 2D).
-    pub measure: f64,
 }
 
 /// What was built, for reports.
@@ -97,9 +90,13 @@ pub struct Summary {
 pub struct Model {
     body: Arc<dyn BodyModel>,
     contact: ContactPatch,
-    loads: Vec<LoadInput>,
+    /// Area or volume of the part of every load, m^2 or m^3 (m or m^2 in 2D).
+    measures: Vec<f64>,
+    /// Inputs at the start.
+    starts: Vec<f64>,
     interpolations: Vec<Interpolation>,
     probes: usize,
+    motions: Motions,
     ports: Ports,
     friction: ChosenLaw,
     tableau: Tableau,
@@ -191,9 +188,9 @@ impl Model {
         &self.friction
     }
 
-    /// Number of inputs: one per load.
+    /// Number of inputs: loads, driven directions, motions of the foundation.
     pub fn input_count(&self) -> usize {
-        self.loads.len()
+        self.starts.len()
     }
 
     /// Internal steps kept in the history of a state.
@@ -231,16 +228,26 @@ impl Model {
     }
 
     pub(crate) fn load_measure(&self, load: usize) -> f64 {
-        self.loads[load].measure
+        self.measures[load]
     }
 
-    pub(crate) fn start_loads(&self) -> Vec<f64> {
-        self.loads.iter().map(|l| l.start).collect()
+    /// Inputs at the start.
+    pub(crate) fn starts(&self) -> &[f64] {
+        &self.starts
     }
 
-    /// Linear outputs of the body: one per load, then the components of the probes.
+    pub(crate) fn motions(&self) -> &Motions {
+        &self.motions
+    }
+
+    /// The normal condition.
+    pub(crate) fn condition(&self) -> &Condition {
+        &self.scene.contact.condition
+    }
+
+    /// Linear outputs of the body: one per column of forces, then the components of the probes.
     pub(crate) fn output_count(&self) -> usize {
-        self.loads.len() + self.probes * self.summary.dimension
+        self.motions.force_count() + self.probes * self.summary.dimension
     }
 
     /// `|eps(u)|` in L2 of a displacement or velocity of the body.

@@ -2,16 +2,19 @@
 //! whether they were compiled a moment ago or read from bytes.
 
 use super::certificate::Certificate;
+use super::motions::Motions;
 use super::selection::Selection;
-use super::{BodyModel, LoadInput, Model, ReductionRecord, SolverSettings, Summary};
+use super::{BodyModel, Model, ReductionRecord, SolverSettings, Summary};
 use crate::body::digits::can_lose_in_steps;
 use crate::contact::law::ChosenLaw;
 use crate::contact::solve::fixed_point::FixedPoint;
 use crate::error::Result;
 use crate::fem::ContactPatch;
-use crate::ports::{Ports, Shapes};
-use crate::refusal::scene_error;
-use crate::scene::{FixedPointStop, FrictionSolver, LoadKind, ModelKind, Run, Scene};
+use crate::ports::{DrivenPort, FoundationPort, Ports, Shapes};
+use crate::scene::{
+    DrivenDirection, DrivenInput, FixedPointStop, Foundation, FrictionSolver, Interpolation,
+    LoadKind, ModelKind, Run, Scene,
+};
 use crate::state::State;
 use crate::time::scheme::Tableau;
 use std::sync::Arc;
@@ -24,6 +27,7 @@ pub(super) struct Parts {
     pub contact: ContactPatch,
     /// Area or volume of every load.
     pub measures: Vec<f64>,
+    pub motions: Motions,
     pub certificate: Certificate,
     pub strain_weights: Option<(f64, f64)>,
     pub dimension: usize,
@@ -46,29 +50,16 @@ impl Model {
     /// [`crate::Error::Scene`] for coefficients that do not fit the contact nodes.
     pub(super) fn new(scene: &Scene, parts: Parts) -> Result<Model> {
         let friction = scene.friction_on(&parts.contact.points)?;
-        if friction.needs_pressure() {
-            return Err(scene_error(
-                "contact.friction.law",
-                "a bound that depends on the pressure".into(),
-                "a bound in Pa: bound, exponential, frictionless, tresca".into(),
-            ));
-        }
         let mut model = Model {
             summary: summary(scene, &parts),
             ports: ports(scene, &parts, &friction),
-            loads: scene
-                .loads
-                .iter()
-                .zip(&parts.measures)
-                .map(|(load, &measure)| LoadInput {
-                    start: load.start,
-                    measure,
-                })
-                .collect(),
-            interpolations: scene.loads.iter().map(|l| l.interpolation).collect(),
+            starts: scene.inputs().map(|(_, start)| start).collect(),
+            interpolations: interpolations(scene, &parts.motions),
+            measures: parts.measures,
+            motions: parts.motions,
             probes: scene.probes.len(),
             friction,
-            tableau: Tableau::of(scene.time.scheme),
+            tableau: Tableau::of(scene.scheme()),
             start: scene.time.start,
             largest_step: scene.time.step,
             solver: solver(scene),
@@ -111,6 +102,15 @@ fn summary(scene: &Scene, parts: &Parts) -> Summary {
     }
 }
 
+/// The course of every input within a communication step.
+fn interpolations(scene: &Scene, motions: &Motions) -> Vec<Interpolation> {
+    let loads = scene.loads.iter().map(|load| load.interpolation);
+    let others = motions.inputs() - motions.loads();
+    loads
+        .chain(std::iter::repeat_n(Interpolation::Linear, others))
+        .collect()
+}
+
 fn ports(scene: &Scene, parts: &Parts, friction: &ChosenLaw) -> Ports {
     let unit = |kind| match kind {
         LoadKind::Traction => "Pa",
@@ -122,7 +122,31 @@ fn ports(scene: &Scene, parts: &Parts, friction: &ChosenLaw) -> Ports {
         .map(|l| (l.name.clone(), unit(l.kind)))
         .collect();
     let probes: Vec<_> = scene.probes.iter().map(|p| p.name.clone()).collect();
+    let driven = scene.driven.iter().flat_map(|driven| {
+        driven
+            .directions
+            .iter()
+            .map(|(name, direction)| DrivenPort {
+                name: name.clone(),
+                is_rotation: matches!(direction, DrivenDirection::Rotation(_)),
+                is_displacement: driven.input == DrivenInput::Displacement,
+            })
+    });
+    let foundation = scene
+        .contact
+        .foundation
+        .iter()
+        .map(|motion| FoundationPort {
+            name: motion.name().to_owned(),
+            is_rotation: matches!(motion, Foundation::Rotation { .. }),
+            is_approach: matches!(motion, Foundation::Approach { .. }),
+        });
     Ports::new(&Shapes {
+        has_normal: parts.contact.has_normal,
+        can_open: !parts.contact.gaps.is_empty(),
+        has_means: !Tableau::of(scene.scheme()).ends_with_stage(),
+        driven: &driven.collect::<Vec<_>>(),
+        foundation: &foundation.collect::<Vec<_>>(),
         dimension: parts.dimension,
         nodes: parts.contact.nodes.len(),
         components: parts.contact.components,
@@ -132,7 +156,7 @@ fn ports(scene: &Scene, parts: &Parts, friction: &ChosenLaw) -> Ports {
         has_error_estimate: scene.time.estimates_error(),
         can_lose_digits: can_lose_in_steps(
             scene,
-            &Tableau::of(scene.time.scheme),
+            &Tableau::of(scene.scheme()),
             parts.rates[1],
             scene.time.step,
         ),

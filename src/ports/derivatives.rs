@@ -29,12 +29,16 @@ impl Quantity {
     pub(crate) fn tangent(self) -> Tangent {
         use Quantity::*;
         match self {
-            Load(_) | TangentialStress | SlipRate | Slip | AccumulatedSlip | ContactForce
-            | LoadDisplacement(_) | LoadVelocity(_) | ProbeDisplacement(_) | ProbeVelocity(_)
-            | ExternalWork | ElasticEnergy | ViscousDissipation | FrictionDissipation
-            | BalanceError | Coefficient(_) => Tangent::Linear,
-            Stick | StickFraction | Iterations | Residual | Solutions | SolutionGap
-            | ErrorEstimate | LostDigits => Tangent::Zero,
+            Input(_) | TangentialStress | SlipRate | Slip | AccumulatedSlip | ContactForce
+            | Pressure | Gap | NormalForce | FrictionState | MeanTangentialStress
+            | MeanSlipRate | MeanPressure | LoadDisplacement(_) | LoadVelocity(_)
+            | ProbeDisplacement(_) | ProbeVelocity(_) | DriveDisplacement(_) | DriveVelocity(_)
+            | DriveForce(_) | FoundationForce(_) | ExternalWork | ElasticEnergy
+            | ViscousDissipation | FrictionDissipation | BalanceError | Coefficient(_) => {
+                Tangent::Linear
+            }
+            Stick | Status | StickFraction | OpenFraction | Iterations | Residual | Solutions
+            | SolutionGap | ErrorEstimate | LostDigits => Tangent::Zero,
             MaxSlipRate => Tangent::LargestRate,
         }
     }
@@ -47,12 +51,14 @@ impl Quantity {
             AccumulatedSlip => Slope::NormOf(SlipRate),
             LoadDisplacement(load) => Slope::Is(LoadVelocity(load)),
             ProbeDisplacement(probe) => Slope::Is(ProbeVelocity(probe)),
-            Load(_) | TangentialStress | SlipRate | Stick | ContactForce | MaxSlipRate
-            | StickFraction | LoadVelocity(_) | ProbeVelocity(_) | ExternalWork | ElasticEnergy
-            | ViscousDissipation | FrictionDissipation | BalanceError | Iterations | Residual
-            | Solutions | SolutionGap | ErrorEstimate | LostDigits | Coefficient(_) => {
-                Slope::Unknown
-            }
+            DriveDisplacement(drive) => Slope::Is(DriveVelocity(drive)),
+            Input(_) | FrictionState | Pressure | Gap | Status | NormalForce | OpenFraction
+            | MeanTangentialStress | MeanSlipRate | MeanPressure | DriveVelocity(_)
+            | DriveForce(_) | FoundationForce(_) | TangentialStress | SlipRate | Stick
+            | ContactForce | MaxSlipRate | StickFraction | LoadVelocity(_) | ProbeVelocity(_)
+            | ExternalWork | ElasticEnergy | ViscousDissipation | FrictionDissipation
+            | BalanceError | Iterations | Residual | Solutions | SolutionGap | ErrorEstimate
+            | LostDigits | Coefficient(_) => Slope::Unknown,
         }
     }
 }

@@ -1,13 +1,15 @@
-//! The list of the ports: loads, contact, work-conjugates and probes, energies and solver, coefficients.
+//! The list of the ports: inputs, contact, work-conjugates and probes, energies and solver, coefficients.
 
 use super::{Causality, Port, Ports, Quantity, Shapes};
 
 impl Ports {
     pub(crate) fn new(shapes: &Shapes) -> Ports {
         let mut ports = Ports { list: Vec::new() };
-        ports.add_loads(shapes);
+        ports.add_inputs(shapes);
         ports.add_contact(shapes);
+        ports.add_normal(shapes);
         ports.add_conjugates_and_probes(shapes);
+        ports.add_motions(shapes);
         ports.add_accounts(shapes);
         ports.add_coefficients(shapes);
         ports
@@ -33,10 +35,152 @@ impl Ports {
         });
     }
 
-    fn add_loads(&mut self, shapes: &Shapes) {
-        for (i, (name, unit)) in shapes.loads.iter().enumerate() {
+    fn add_inputs(&mut self, shapes: &Shapes) {
+        let loads = shapes.loads.iter().map(|(name, unit)| {
             let text = "Intensity of the load at the end of the next step.";
-            self.add(name, unit, Causality::Input, &[], Quantity::Load(i), text);
+            (name, *unit, text)
+        });
+        let driven = shapes.driven.iter().map(|driven| {
+            let (unit, text) = match (driven.is_displacement, driven.is_rotation) {
+                (false, false) => ("m/s", "Velocity of the driven part at the end of the next step."),
+                (false, true) => (
+                    "rad/s",
+                    "Angular velocity of the driven part at the end of the next step.",
+                ),
+                (true, false) => (
+                    "m",
+                    "Displacement of the driven part at the end of the next step, reached with a constant velocity.",
+                ),
+                (true, true) => (
+                    "rad",
+                    "Angle of the driven part at the end of the next step, reached with a constant velocity.",
+                ),
+            };
+            (&driven.name, unit, text)
+        });
+        let foundation = shapes.foundation.iter().map(|motion| {
+            let (unit, text) = match (motion.is_approach, motion.is_rotation) {
+                (true, _) => (
+                    "m",
+                    "Displacement of the foundation towards the body at the end of the next step.",
+                ),
+                (_, true) => (
+                    "rad/s",
+                    "Angular velocity of the foundation at the end of the next step.",
+                ),
+                _ => (
+                    "m/s",
+                    "Velocity of the foundation at the end of the next step.",
+                ),
+            };
+            (&motion.name, unit, text)
+        });
+        for (i, (name, unit, text)) in loads.chain(driven).chain(foundation).enumerate() {
+            self.add(name, unit, Causality::Input, &[], Quantity::Input(i), text);
+        }
+    }
+
+    /// Pressure and gap, where the contact has them.
+    fn add_normal(&mut self, shapes: &Shapes) {
+        use Causality::Output;
+        if !shapes.has_normal {
+            return;
+        }
+        let nodal: &[usize] = &[shapes.nodes];
+        let text =
+            "Pressure of the foundation on the body; negative where bilateral contact pulls.";
+        self.add(
+            "contact.pressure",
+            "Pa",
+            Output,
+            nodal,
+            Quantity::Pressure,
+            text,
+        );
+        let text = "Total force of the foundation on the body along the inward normals.";
+        self.add(
+            "contact.normal_force",
+            "N",
+            Output,
+            &[],
+            Quantity::NormalForce,
+            text,
+        );
+        if shapes.can_open {
+            let text = "Distance to the foundation along its normal; negative where it gives way.";
+            self.add("contact.gap", "m", Output, nodal, Quantity::Gap, text);
+            let text = "0 where the node is open, 1 where it sticks, 2 where it slips.";
+            self.add("contact.status", "1", Output, nodal, Quantity::Status, text);
+            let text = "Share of the contact area that is open.";
+            self.add(
+                "contact.open_fraction",
+                "1",
+                Output,
+                &[],
+                Quantity::OpenFraction,
+                text,
+            );
+        }
+        if shapes.friction.has_memory() {
+            let text = "State of the friction law.";
+            let name = "contact.friction_state";
+            self.add(name, "s", Output, nodal, Quantity::FrictionState, text);
+        }
+        if shapes.has_means {
+            let text = "Mean pressure over the last internal step.";
+            self.add(
+                "contact.mean_pressure",
+                "Pa",
+                Output,
+                nodal,
+                Quantity::MeanPressure,
+                text,
+            );
+        }
+    }
+
+    /// What the motions of driven parts and of the foundation take.
+    fn add_motions(&mut self, shapes: &Shapes) {
+        use Causality::Output;
+        for (i, driven) in shapes.driven.iter().enumerate() {
+            let name = &driven.name;
+            let (length, rate, force, unit) = match driven.is_rotation {
+                true => ("rad", "rad/s", "torque", "N m"),
+                false => ("m", "m/s", "force", "N"),
+            };
+            let text = "Displacement of the driven part since the start.";
+            let quantity = Quantity::DriveDisplacement(i);
+            self.add(
+                format!("{name}.displacement"),
+                length,
+                Output,
+                &[],
+                quantity,
+                text,
+            );
+            let text = "Velocity of the driven part.";
+            let quantity = Quantity::DriveVelocity(i);
+            self.add(
+                format!("{name}.velocity"),
+                rate,
+                Output,
+                &[],
+                quantity,
+                text,
+            );
+            let text = "What is needed to drive the part; times the velocity it is the power.";
+            let quantity = Quantity::DriveForce(i);
+            self.add(format!("{name}.{force}"), unit, Output, &[], quantity, text);
+        }
+        for (i, motion) in shapes.foundation.iter().enumerate() {
+            let name = &motion.name;
+            let (force, unit) = match motion.is_rotation {
+                true => ("torque", "N m"),
+                false => ("force", "N"),
+            };
+            let text = "What is needed to move the foundation against the body; times the velocity it is the power.";
+            let quantity = Quantity::FoundationForce(i);
+            self.add(format!("{name}.{force}"), unit, Output, &[], quantity, text);
         }
     }
 
@@ -113,6 +257,24 @@ impl Ports {
         ] {
             let name = format!("contact.{name}");
             self.add(name, unit, Causality::Output, shape, quantity, text);
+        }
+        if shapes.has_means {
+            for (name, unit, quantity, text) in [
+                (
+                    "contact.mean_slip_rate",
+                    "m/s",
+                    MeanSlipRate,
+                    "Mean slip rate over the last internal step.",
+                ),
+                (
+                    "contact.mean_tangential_stress",
+                    "Pa",
+                    MeanTangentialStress,
+                    "Mean tangential stress on the body over the last internal step.",
+                ),
+            ] {
+                self.add(name, unit, Causality::Output, field, quantity, text);
+            }
         }
     }
 

@@ -21,22 +21,35 @@ pub enum Causality {
     Parameter,
 }
 
-/// What a port means; the number is the load, probe or coefficient.
+/// What a port means; the number is the input, load, driven direction, motion of the foundation, probe or coefficient.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
-    Load(usize),
+    Input(usize),
     TangentialStress,
     SlipRate,
     Slip,
     AccumulatedSlip,
     Stick,
     ContactForce,
+    Pressure,
+    Gap,
+    Status,
+    NormalForce,
+    OpenFraction,
+    FrictionState,
     MaxSlipRate,
     StickFraction,
+    MeanTangentialStress,
+    MeanSlipRate,
+    MeanPressure,
     LoadDisplacement(usize),
     LoadVelocity(usize),
     ProbeDisplacement(usize),
     ProbeVelocity(usize),
+    DriveDisplacement(usize),
+    DriveVelocity(usize),
+    DriveForce(usize),
+    FoundationForce(usize),
     ExternalWork,
     ElasticEnergy,
     ViscousDissipation,
@@ -87,13 +100,34 @@ pub struct Ports {
     list: Vec<Port>,
 }
 
+/// An input that moves something.
+pub(crate) struct DrivenPort {
+    pub name: String,
+    pub is_rotation: bool,
+    pub is_displacement: bool,
+}
+
+/// A motion of the foundation.
+pub(crate) struct FoundationPort {
+    pub name: String,
+    pub is_rotation: bool,
+    pub is_approach: bool,
+}
+
 /// What the list is made from.
 pub(crate) struct Shapes<'a> {
     pub dimension: usize,
     pub nodes: usize,
     pub components: usize,
+    /// Whether the contact has a normal component, and can open.
+    pub has_normal: bool,
+    pub can_open: bool,
+    /// Whether steps have means apart from the values at their ends.
+    pub has_means: bool,
     /// Name and unit of the intensity, in the order of the scene.
     pub loads: &'a [(String, &'static str)],
+    pub driven: &'a [DrivenPort],
+    pub foundation: &'a [FoundationPort],
     pub probes: &'a [String],
     pub friction: &'a ChosenLaw,
     /// Whether the error in time is estimated.

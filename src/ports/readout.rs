@@ -15,7 +15,15 @@ pub(crate) fn read(model: &Model, state: &State, port: &Port, out: &mut [f64]) {
             .iter()
             .all(|w| *w == 0.0)
     };
-    let loads = model.input_count();
+    let motions = model.motions();
+    let (loads, weights) = (motions.force_count(), &contact.weights);
+    let is_open =
+        |node: usize| !contact.gaps.is_empty() && state.main.instant.normal_force[node] <= 0.0;
+    let pressures = |forces: &[f64], out: &mut [f64]| {
+        for (out, (force, weight)) in out.iter_mut().zip(forces.iter().zip(weights)) {
+            *out = force / weight;
+        }
+    };
     let dimension = model.summary().dimension;
     let probe = |i: usize| loads + i * dimension..loads + (i + 1) * dimension;
     let value = match port.quantity {
@@ -41,7 +49,35 @@ pub(crate) fn read(model: &Model, state: &State, port: &Port, out: &mut [f64]) {
         }
         Quantity::Stick => {
             for (node, out) in out.iter_mut().enumerate() {
-                *out = f64::from(u8::from(is_stuck(node)));
+                *out = f64::from(u8::from(is_stuck(node) && !is_open(node)));
+            }
+            return;
+        }
+        Quantity::Status => {
+            for (node, out) in out.iter_mut().enumerate() {
+                *out = match (is_open(node), is_stuck(node)) {
+                    (true, _) => 0.0,
+                    (false, true) => 1.0,
+                    (false, false) => 2.0,
+                };
+            }
+            return;
+        }
+        Quantity::Pressure => return pressures(&state.main.instant.normal_force, out),
+        Quantity::MeanPressure => return pressures(&state.mean_normal_force, out),
+        Quantity::FrictionState => return out.copy_from_slice(&state.main.friction_state),
+        Quantity::MeanSlipRate => return out.copy_from_slice(&state.mean_slip_rate),
+        Quantity::MeanTangentialStress => {
+            for (i, out) in out.iter_mut().enumerate() {
+                *out = contact.stress(i, state.mean_force[i]);
+            }
+            return;
+        }
+        Quantity::Gap => {
+            let approach = motions.approach(&state.loads);
+            let moved = contact.gaps.iter().zip(&state.main.normal_displacement);
+            for (out, (gap, moved)) in out.iter_mut().zip(moved) {
+                *out = gap + moved - approach;
             }
             return;
         }
@@ -60,7 +96,12 @@ pub(crate) fn read(model: &Model, state: &State, port: &Port, out: &mut [f64]) {
         }
         Quantity::LoadDisplacement(i) => state.output_displacement[i] / model.load_measure(i),
         Quantity::LoadVelocity(i) => state.main.instant.output_velocity[i] / model.load_measure(i),
-        Quantity::Load(i) => state.inputs[i],
+        Quantity::Input(i) => state.inputs[i],
+        Quantity::DriveDisplacement(i) => state.drive_displacement[i],
+        Quantity::DriveVelocity(i) => state.loads[motions.drive_input(i)],
+        Quantity::DriveForce(i) => state.main.instant.drive_force[i],
+        Quantity::FoundationForce(i) => state.main.instant.foundation_force[i],
+        Quantity::NormalForce => 0.0 + state.main.instant.normal_force.iter().sum::<f64>(),
         Quantity::MaxSlipRate => state
             .main
             .instant
@@ -68,14 +109,8 @@ pub(crate) fn read(model: &Model, state: &State, port: &Port, out: &mut [f64]) {
             .chunks_exact(c)
             .map(norm)
             .fold(0.0, f64::max),
-        Quantity::StickFraction => {
-            let total: f64 = contact.weights.iter().sum();
-            let stuck: f64 = (0..contact.node_count())
-                .filter(|&node| is_stuck(node))
-                .map(|node| contact.weights[node])
-                .sum();
-            stuck / total
-        }
+        Quantity::StickFraction => share(weights, |node| is_stuck(node) && !is_open(node)),
+        Quantity::OpenFraction => share(weights, is_open),
         Quantity::ExternalWork => state.energy[energy::EXTERNAL_WORK],
         Quantity::ElasticEnergy => state.energy[energy::ELASTIC],
         Quantity::ViscousDissipation => state.energy[energy::VISCOUS],
@@ -94,4 +129,14 @@ pub(crate) fn read(model: &Model, state: &State, port: &Port, out: &mut [f64]) {
         Quantity::ErrorEstimate => estimate::estimate(model, state),
     };
     out[0] = value;
+}
+
+/// Share of the contact area whose nodes are counted.
+fn share(weights: &[f64], is_counted: impl Fn(usize) -> bool) -> f64 {
+    let total: f64 = weights.iter().sum();
+    let counted: f64 = (0..weights.len())
+        .filter(|&node| is_counted(node))
+        .map(|node| weights[node])
+        .sum();
+    counted / total
 }

@@ -1,7 +1,7 @@
 //! Embedded example scenes.
 
 /// Names and texts, the paper's example first.
-const EXAMPLES: [(&str, &str); 4] = [
+const EXAMPLES: [(&str, &str); 7] = [
     ("kazmi2014", include_str!("examples/kazmi2014.json")),
     ("brake_pad_3d", include_str!("examples/brake_pad_3d.json")),
     (
@@ -9,6 +9,9 @@ const EXAMPLES: [(&str, &str); 4] = [
         include_str!("examples/sheared_column.json"),
     ),
     ("seal", include_str!("examples/seal.json")),
+    ("disc_brake", include_str!("examples/disc_brake.json")),
+    ("belt", include_str!("examples/belt.json")),
+    ("snap", include_str!("examples/snap.json")),
 ];
 
 /// Text of an embedded example; `None` for an unknown name.

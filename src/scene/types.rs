@@ -5,13 +5,17 @@
 //! `validate.rs`.
 
 mod boundary;
+mod condition;
 mod fidelity;
 mod friction;
+mod motion;
 mod run;
 
 pub use boundary::*;
+pub use condition::*;
 pub use fidelity::*;
 pub use friction::*;
+pub use motion::*;
 pub use run::*;
 
 pub use crate::element::ElementKind;
@@ -26,7 +30,7 @@ use crate::material::Operators;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A viscoelastic body in bilateral frictional contact with a rigid foundation.
+/// A viscoelastic body in frictional contact with a rigid foundation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Scene {
@@ -47,10 +51,13 @@ pub struct Scene {
     /// Materials by region, one for every region that has cells; or else `material`. Default: none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub materials: Vec<RegionMaterial>,
-    /// Names of the parts on which the body is clamped (velocity and displacement zero). At least one: without it the
-    /// body could slide rigidly along the foundation, and without inertia nothing would determine its motion.
-    #[schemars(length(min = 1))]
+    /// Names of the parts on which the body is clamped (velocity and displacement zero). At least one, or a driven one: without
+    /// it the body could slide rigidly along the foundation, and without inertia nothing would determine its motion.
+    #[serde(default)]
     pub clamped: Vec<String>,
+    /// Parts whose motion is given; each direction is an input of the component. Default: none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub driven: Vec<Driven>,
     /// Contact with the foundation.
     pub contact: Contact,
     /// Loads; each is an input of the component. Default: none.
@@ -110,6 +117,46 @@ impl Scene {
             parameters.map(move |(key, p)| (format!("{}.{key}", placed.path), p))
         };
         self.materials().into_iter().flat_map(of).collect()
+    }
+
+    /// The time scheme, with what `auto` stands for.
+    pub fn scheme(&self) -> Scheme {
+        match (self.time.scheme, &self.contact.condition) {
+            (Scheme::Auto, Condition::Bilateral) if !self.has_approach() => Scheme::Trapezoid,
+            (Scheme::Auto, _) => Scheme::TrBdf2,
+            (given, _) => given,
+        }
+    }
+
+    /// Whether the foundation moves along its normal.
+    pub(crate) fn has_approach(&self) -> bool {
+        let is_approach = |motion: &Foundation| matches!(motion, Foundation::Approach { .. });
+        self.contact.foundation.iter().any(is_approach)
+    }
+
+    /// Whether a step needs the normal motion and force of the contact nodes: where contact opens or gives way, where friction
+    /// depends on the pressure, where the foundation moves along its normal, and where the pressure is asked for.
+    pub fn is_pressed(&self) -> bool {
+        !self.contact.condition.is_default()
+            || self.contact.pressure
+            || self.has_approach()
+            || self.contact.friction.needs_pressure()
+    }
+
+    /// Names and starts of all inputs in their order: loads, driven directions, motions of the foundation.
+    pub fn inputs(&self) -> impl Iterator<Item = (&str, f64)> {
+        let loads = self
+            .loads
+            .iter()
+            .map(|load| (load.name.as_str(), load.start));
+        let directions = self.driven.iter().flat_map(|d| d.directions.keys());
+        let driven = directions.map(|name| (name.as_str(), 0.0));
+        let foundation = self
+            .contact
+            .foundation
+            .iter()
+            .map(|m| (m.name(), m.start()));
+        loads.chain(driven).chain(foundation)
     }
 
     /// The table of the element in the dimension of the mesh.

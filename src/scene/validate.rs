@@ -3,11 +3,13 @@
 //! nodes, cells of regions) is said when the body is assembled (`crate::fem`).
 
 mod body;
+mod motion;
 
 use super::types::*;
 use crate::message::{cut, number};
 use crate::refusal::{Refusal, Verdict, ensure, json};
 use body::{check_clamped, check_contact, check_materials, check_mesh, check_part};
+use motion::{check_condition, check_driven, check_foundation};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// First components of the ports that every scene has; a load or probe of that name would collide with them.
@@ -18,7 +20,10 @@ pub(super) fn check(scene: &Scene) -> Verdict {
     check_mesh(scene)?;
     check_materials(scene)?;
     check_clamped(scene)?;
+    check_driven(scene)?;
     check_contact(scene)?;
+    check_foundation(scene)?;
+    check_condition(scene)?;
     check_names(scene)?;
     for (i, load) in scene.loads.iter().enumerate() {
         check_load(scene, load, &format!("loads[{i}]"))?;
@@ -43,22 +48,32 @@ fn check_names(scene: &Scene) -> Verdict {
         .iter()
         .enumerate()
         .map(|(i, p)| (format!("probes[{i}].name"), &p.name));
+    let driven = scene.driven.iter().enumerate().flat_map(|(i, d)| {
+        let of = move |name| (format!("driven[{i}].directions"), name);
+        d.directions.keys().map(of)
+    });
+    let motions = scene.contact.foundation.iter().enumerate();
+    let foundation = motions.map(|(i, m)| (format!("contact.foundation[{i}].name"), m.name()));
+    let all = loads
+        .chain(probes)
+        .chain(driven)
+        .map(|(path, name)| (path, name.as_str()));
     let mut taken: BTreeMap<&str, String> = BTreeMap::new();
-    for (path, name) in loads.chain(probes) {
+    for (path, name) in all.chain(foundation) {
         ensure(is_identifier(name), || {
             let allowed = "a letter or underscore, then letters, digits and underscores";
             Refusal::new(&path, json(name), allowed)
         })?;
-        ensure(!RESERVED.contains(&name.as_str()), || {
+        ensure(!RESERVED.contains(&name), || {
             let allowed = format!("a name other than {}", RESERVED.join(", "));
             Refusal::new(&path, json(name), allowed)
         })?;
-        if let Some(other) = taken.get(name.as_str()) {
+        if let Some(other) = taken.get(name) {
             let found = format!("{:?}, the same as {other}", cut(name));
             return Err(Refusal::new(
                 &path,
                 found,
-                "a name that no other load or probe has",
+                "a name that no other load, probe or motion has",
             ));
         }
         taken.insert(name, path);
@@ -179,16 +194,16 @@ fn check_time(time: &Time) -> Verdict {
 }
 
 fn check_signals(scene: &Scene) -> Verdict {
-    let loads: BTreeSet<&str> = scene.loads.iter().map(|load| load.name.as_str()).collect();
+    let inputs: BTreeSet<&str> = scene.inputs().map(|(name, _)| name).collect();
     for (name, signal) in &scene.run.signals {
         let path = super::path::Path::default()
             .key("run")
             .key("signals")
             .key(name);
-        ensure(loads.contains(name.as_str()), || {
-            let names: Vec<&str> = scene.loads.iter().map(|load| load.name.as_str()).collect();
-            let found = format!("the unknown load {:?}", cut(name));
-            let allowed = format!("the loads {}", cut(&names.join(", ")));
+        ensure(inputs.contains(name.as_str()), || {
+            let names: Vec<&str> = scene.inputs().map(|(name, _)| name).collect();
+            let found = format!("the unknown input {:?}", cut(name));
+            let allowed = format!("the inputs {}", cut(&names.join(", ")));
             Refusal::new(&path, found, allowed)
         })?;
         let Signal::Table(points) = signal else {

@@ -1,13 +1,15 @@
 //! The loop over a scene's own run: a simulator is started, and stepped from communication point to communication point on the
 //! signals of the scene.
 //!
+//! Within a step signals are followed as they are, bends at points of their tables included.
+//!
 //! The step that ends where a signal jumps ends with the load before the jump; then the load jumps, and the next step begins
 //! with the load after it.
 
 use super::Simulator;
 use super::course::Points;
 use crate::error::{Error, Result};
-use crate::scene::{Inputs, Load, Scene, Signal};
+use crate::scene::{Inputs, Scene, Signal};
 
 /// A simulator on its way through the run of a scene.
 ///
@@ -43,12 +45,13 @@ impl<'a> Drive<'a> {
         let points = Points::checked(scene)?;
         let start = points.at(0);
         let mut drive = Drive {
-            values: vec![0.0; scene.loads.len()],
+            values: vec![0.0; scene.inputs().count()],
             scene,
             points,
             simulator,
             passed: 0,
         };
+        drive.simulator.reserve_bends(points_of(scene));
         drive.set_inputs_at(start)?;
         drive.simulator.init(start)?;
         Ok(drive)
@@ -66,8 +69,9 @@ impl<'a> Drive<'a> {
                 expected: "init, or a restored state",
             });
         }
+        simulator.reserve_bends(points_of(scene));
         Ok(Drive {
-            values: vec![0.0; scene.loads.len()],
+            values: vec![0.0; scene.inputs().count()],
             passed: points.passed_at(simulator.time()),
             scene,
             points,
@@ -105,6 +109,7 @@ impl<'a> Drive<'a> {
             let jump = self.points.jump_at(to).filter(|_| to < self.points.until);
             let end = jump.map_or(to, |[first, _]| first);
             self.set_inputs(|signal| signal.before(end))?;
+            self.bend_inputs(from, end);
             self.simulator.do_step(from, to - from)?;
             if let Some([_, last]) = jump {
                 self.evaluate(|signal| signal.at(last));
@@ -139,10 +144,26 @@ impl<'a> Drive<'a> {
         Ok(Some(self.simulator))
     }
 
-    /// Loads of the scene at a time, behind a jump there, in the order of the inputs.
+    /// Inputs of the scene at a time, behind a jump there, in the order of the inputs.
     pub fn loads_at(&mut self, time: f64) -> &[f64] {
         self.evaluate(|signal| signal.at(time));
         &self.values
+    }
+
+    /// Signals bend at the points of their tables, also within a step.
+    fn bend_inputs(&mut self, from: f64, to: f64) {
+        for (input, (name, _)) in self.scene.inputs().enumerate() {
+            let Some(Signal::Table(points)) = self.scene.run.signals.get(name) else {
+                continue;
+            };
+            let first = points.partition_point(|point| point[0] <= from);
+            for [time, value] in points[first..].iter().take_while(|point| point[0] < to) {
+                let fraction = (time - from) / (to - from);
+                if fraction > 0.0 && fraction < 1.0 {
+                    self.simulator.bend_input(input, fraction, *value);
+                }
+            }
+        }
     }
 
     fn set_inputs_at(&mut self, time: f64) -> Result<()> {
@@ -156,9 +177,17 @@ impl<'a> Drive<'a> {
 
     fn evaluate(&mut self, value: impl Fn(&Signal) -> f64) {
         let signals = &self.scene.run.signals;
-        let of = |load: &Load| signals.get(&load.name).map_or(load.start, &value);
-        for (to, load) in self.values.iter_mut().zip(&self.scene.loads) {
-            *to = of(load);
+        for (to, (name, start)) in self.values.iter_mut().zip(self.scene.inputs()) {
+            *to = signals.get(name).map_or(start, &value);
         }
     }
+}
+
+/// Points of all tables.
+fn points_of(scene: &Scene) -> usize {
+    let tables = scene.run.signals.values().map(|signal| match signal {
+        Signal::Constant(_) => 0,
+        Signal::Table(points) => points.len(),
+    });
+    tables.sum()
 }

@@ -15,12 +15,13 @@ use crate::ports::{Causality, Port, Quantity};
 use crate::state::State;
 use crate::time::companion::{Alone, Companion};
 use crate::time::control;
+use crate::time::input_course;
 use crate::time::record::record;
 use crate::time::second;
 use crate::time::sizes::MOST_INTERNAL_STEPS;
 use crate::time::stage::settle;
 use crate::time::step;
-use crate::time::workspace::Workspace;
+use crate::time::workspace::{Bend, Workspace};
 use std::sync::Arc;
 
 /// Relative deviation of the time of a call from the simulator's own that still counts as the same instant.
@@ -36,6 +37,8 @@ pub struct Simulator {
     last_step: Option<f64>,
     trial: State,
     workspace: Workspace,
+    /// Where inputs bend in the next step.
+    bends: Vec<Bend>,
 }
 
 impl Clone for Simulator {
@@ -48,6 +51,7 @@ impl Clone for Simulator {
             last_step: self.last_step,
             trial: self.trial.clone(),
             workspace: Workspace::new(&self.model),
+            bends: self.bends.clone(),
         }
     }
 }
@@ -61,6 +65,7 @@ impl Simulator {
             last_step: None,
             trial: state.clone(),
             workspace: Workspace::new(&model),
+            bends: Vec::new(),
             state,
             model,
         }
@@ -105,7 +110,9 @@ impl Simulator {
             state.time = time;
             state.loads.copy_from_slice(&state.inputs);
             state.needs_settling = 0;
-            settle(model, state, ws)?;
+            input_course::start(model, state);
+            state.start_memory(model);
+            settle(model, state, ws, input_course::start_approach(model, state))?;
             second::start(model, state);
             control::start(model, state);
             state.is_initialized = 1;
@@ -151,8 +158,7 @@ impl Simulator {
     /// Those of [`Simulator::set_inputs`].
     pub fn jump_inputs(&mut self, values: &[f64]) -> Result<()> {
         self.set_inputs(values)?;
-        if self.state.loads != values {
-            self.state.loads.copy_from_slice(values);
+        if input_course::jump(&self.model, &mut self.state) {
             self.state.needs_settling = self.state.is_initialized;
         }
         Ok(())
@@ -262,7 +268,7 @@ impl Simulator {
     /// Puts a value that has been checked where it belongs.
     fn put(&mut self, quantity: Quantity, element: usize, value: f64) {
         match quantity {
-            Quantity::Load(i) => self.state.inputs[i] = value,
+            Quantity::Input(i) => self.state.inputs[i] = value,
             Quantity::Coefficient(i) => {
                 let at = self.model.friction().places()[i].first + element;
                 if self.state.coefficients[at] != value {
@@ -321,6 +327,9 @@ impl Simulator {
             });
         }
         self.check_coefficients()?;
+        // those of the step before serve its derivatives until here
+        std::mem::swap(&mut self.workspace.course.bends, &mut self.bends);
+        self.bends.clear();
         self.attempt(|model, state, ws| {
             step::advance(model, state, ws, step, &mut Alone)?;
             state.time = time + step;
@@ -398,7 +407,7 @@ fn settable(model: &Model, port: &Port, value: f64) -> Result<Quantity> {
         });
     }
     match port.quantity {
-        Quantity::Load(_) => {}
+        Quantity::Input(_) => {}
         Quantity::Coefficient(i) => model.friction().law().check_value(i, value)?,
         _ => {
             return Err(Error::CallOrder {

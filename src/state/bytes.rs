@@ -8,7 +8,7 @@ use crate::model::Model;
 
 const FRAME: Frame = Frame {
     magic: *b"SLIPSTAT",
-    format: 5,
+    format: 6,
     what: "saved state",
 };
 

@@ -12,6 +12,8 @@ pub(crate) enum Kind {
     Given,
     /// Points of linearisation, in which infinity marks a node that is not free.
     Marks,
+    /// Those of the solver with pressure.
+    PressedMarks,
     /// Account of the communication step: never negative, and kept where a refused part is taken back.
     Account,
     /// Recorded past: only its new rows are copied.
@@ -26,9 +28,17 @@ pub(crate) struct Sizes {
     /// Contact nodes, and tangential components of each.
     pub nodes: usize,
     pub components: usize,
-    /// Loads, and work-conjugate integrals of loads and probes.
-    pub loads: usize,
+    /// Inputs, and work-conjugate integrals of columns of forces and probes.
+    pub inputs: usize,
     pub outputs: usize,
+    /// Motions of driven parts, and of the foundation.
+    pub drives: usize,
+    pub foundation: usize,
+    /// Whether contact has a normal component, and steps have means apart from the values at their ends.
+    pub has_normal: bool,
+    pub has_means: bool,
+    /// Whether the friction law has a state of its own.
+    pub has_memory: bool,
     pub coefficients: usize,
     /// Whether there is a second solution.
     pub has_second: bool,
@@ -42,6 +52,16 @@ impl Sizes {
     /// Tangential components of all contact nodes.
     pub fn contact(&self) -> usize {
         self.nodes * self.components
+    }
+
+    /// Normal components of all contact nodes.
+    pub fn normal(&self) -> usize {
+        if self.has_normal { self.nodes } else { 0 }
+    }
+
+    /// A length where steps have means.
+    pub fn means(&self, length: usize) -> usize {
+        if self.has_means { length } else { 0 }
     }
 }
 

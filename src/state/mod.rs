@@ -8,6 +8,7 @@ mod solution;
 pub(crate) use solution::Instant;
 use solution::Solution;
 
+use crate::contact::pressed;
 use crate::contact::solve::newton::linearisation::clear_points;
 use crate::error::{Error, Result};
 use crate::linalg::dot;
@@ -43,14 +44,21 @@ blocks! {
     blocks {
         /// Tangential displacement relative to the foundation, m.
         slip: Motion[|s| s.contact()],
-        /// Load intensities now.
-        loads: Given[|s| s.loads],
-        /// Load intensities as set last; `meaning` says where in the next step.
-        inputs: Given[|s| s.loads],
+        /// Inputs now: intensities of loads, velocities of driven parts (also where displacements are given), velocities of the
+        /// foundation and its displacement where it approaches.
+        loads: Given[|s| s.inputs],
+        /// Inputs as set last; `meaning` says where in the next step.
+        inputs: Given[|s| s.inputs],
         /// What is remembered of the inputs, and slopes that were given; see [`input_memory`].
-        input_memory: Given[|s| input_memory::of_load(s.loads)],
-        /// Work-conjugate integrals of the loads, then probes: of the displacement.
+        input_memory: Given[|s| input_memory::of_load(s.inputs)],
+        /// Work-conjugate integrals of the columns of forces, then probes: of the displacement.
         output_displacement: Motion[|s| s.outputs],
+        /// Displacements of the driven parts, m or rad.
+        drive_displacement: Motion[|s| s.drives],
+        /// Means over the last internal step, where they are not those of its ends: slip rate, contact forces, normal forces.
+        mean_slip_rate: Motion[|s| s.means(s.contact())],
+        mean_force: Motion[|s| s.means(s.contact())],
+        mean_normal_force: Motion[|s| s.means(s.normal())],
         /// External work, elastic energy, viscous and frictional dissipation, J; see [`energy`].
         energy: Motion[|_| energy::COUNT],
         /// Coefficients of the friction law, one after the other (see `ChosenLaw::places`).
@@ -138,8 +146,13 @@ impl State {
             states: model.states(),
             nodes: model.contact().node_count(),
             components: model.contact().components,
-            loads: model.input_count(),
+            inputs: model.input_count(),
             outputs: model.output_count(),
+            drives: model.motions().drives.len(),
+            foundation: model.motions().foundation.len(),
+            has_normal: model.contact().has_normal,
+            has_means: !model.tableau().ends_with_stage(),
+            has_memory: model.friction().has_memory(),
             coefficients: model.friction().start().len(),
             has_second: model.has_error_estimate(),
             can_lose_digits: model.can_lose_digits(model.largest_step()),
@@ -151,16 +164,34 @@ impl State {
     fn with_rows(model: &Model, rows: usize) -> State {
         let sizes = State::sizes(model);
         let mut state = State::allocate(&Sizes { rows, ..sizes });
-        let (start, coefficients) = (model.start_loads(), model.friction().start());
+        let (start, coefficients) = (model.starts(), model.friction().start());
         state.fingerprint = model.fingerprint();
         state.set_meaning(model.scene().time.inputs.unwrap_or_default());
-        state.loads.copy_from_slice(&start);
-        state.inputs.copy_from_slice(&start);
+        state.loads.copy_from_slice(start);
+        state.inputs.copy_from_slice(start);
         state.coefficients.copy_from_slice(coefficients);
-        for (_, points) in state.blocks_mut().filter(|(kind, _)| *kind == Kind::Marks) {
-            clear_points(points);
+        state.start_memory(model);
+        for (kind, points) in state.blocks_mut().filter(|(_, block)| !block.is_empty()) {
+            match kind {
+                Kind::Marks => clear_points(points),
+                Kind::PressedMarks => pressed::clear_points(points),
+                _ => {}
+            }
         }
         state
+    }
+
+    /// The friction law has its first state.
+    pub(crate) fn start_memory(&mut self, model: &Model) {
+        for (node, state) in self.main.friction_state.iter_mut().enumerate() {
+            *state = model
+                .friction()
+                .initial_state(&self.coefficients, node)
+                .unwrap_or_default();
+        }
+        if let Some(second) = &mut self.second {
+            second.friction_state.clone_from(&self.main.friction_state);
+        }
     }
 
     /// Zeros: the tangent of a state that depends on nothing yet.
@@ -178,7 +209,7 @@ impl State {
     /// The blocks in which every number is finite, but for the recorded past.
     fn numbers(&self) -> impl Iterator<Item = (Kind, &Vec<f64>)> {
         self.blocks()
-            .filter(|(kind, _)| !matches!(kind, Kind::Marks | Kind::Past))
+            .filter(|(kind, _)| !matches!(kind, Kind::Marks | Kind::PressedMarks | Kind::Past))
     }
 
     /// Sum of the squares of all numbers but the recorded past; not a number, or infinite, where one of them is.

@@ -4,6 +4,7 @@
 use super::layout::{Blocks, Kind};
 use super::{MEANINGS, State, control};
 use crate::bytes::Reader;
+use crate::contact::pressed;
 use crate::contact::solve::newton::linearisation;
 use crate::error::Result;
 use crate::model::Model;
@@ -54,12 +55,25 @@ impl State {
                     linearisation::is_plausible(block, components),
                     "a point of linearisation is invalid",
                 )?,
+                Kind::PressedMarks => ensure(
+                    pressed::is_plausible(block, components),
+                    "a point of linearisation is invalid",
+                )?,
                 Kind::Past => ensure(
                     block.iter().all(|v| v.is_finite()),
                     "a number of its past is not finite",
                 )?,
             }
         }
+        let of_second = self.second.iter().flat_map(|s| &s.friction_state);
+        ensure(
+            self.main
+                .friction_state
+                .iter()
+                .chain(of_second)
+                .all(|v| *v > 0.0),
+            "a state of the friction law is not positive",
+        )?;
         if self.is_initialized == 1 && model.tolerance().is_some() {
             // sizes grow from the proposed one by factors: from zero they never would
             let proposed = self.control[control::PROPOSED];

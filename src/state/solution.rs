@@ -1,6 +1,7 @@
 //! What the equations of the body and its contact determine: the main solution, and the second one of the error estimate.
 
 use super::layout::blocks;
+use crate::contact::pressed;
 use crate::contact::solve::newton::linearisation::points_len;
 
 blocks! {
@@ -20,7 +21,17 @@ blocks! {
         /// friction solver.
         /// They do the work in the energy balance.
         reaction: Motion[|s| s.contact()],
-        /// Work-conjugate integrals of the loads, then probes: of the velocity.
+        /// Normal velocity of the body at the contact nodes, from the foundation into the body, m/s.
+        normal_velocity: Motion[|s| s.normal()],
+        /// Normal forces of the contact laws on the body, along that direction, N: the pressure times the weight.
+        normal_force: Motion[|s| s.normal()],
+        /// Normal forces with which the body is in balance, N.
+        normal_reaction: Motion[|s| s.normal()],
+        /// What drives the driven parts and the foundation, N or N m; in balance.
+        drive_force: Motion[|s| s.drives],
+        foundation_force: Motion[|s| s.foundation],
+        /// Work-conjugate integrals of the columns of forces, then probes: of the velocity. Those of loads and probes have the
+        /// share of driven parts, those of the columns of these have not.
         output_velocity: Motion[|s| s.outputs],
         /// Norm of the free motion of which contact forces have left the velocity, where steps may lose digits by it (see
         /// `time::lost_digits`).
@@ -40,7 +51,13 @@ blocks! {
         displacement: Motion[|s| s.states],
         /// Accumulated slip, m, one per node.
         accumulated_slip: Magnitude[|s| s.nodes],
+        /// Normal displacement of the body at the contact nodes, from the foundation into the body, m.
+        normal_displacement: Motion[|s| s.normal()],
+        /// State of the friction law at every node, s, where it has one.
+        friction_state: Given[|s| if s.has_memory { s.nodes } else { 0 }],
         /// Points at which the friction solver last factored its matrix (see `contact::solve::newton::linearisation`).
-        linearisation: Marks[|s| points_len(s.nodes, s.components)],
+        linearisation: Marks[|s| if s.has_normal { 0 } else { points_len(s.nodes, s.components) }],
+        /// The same of the solver with pressure (see `contact::pressed`).
+        pressed_point: PressedMarks[|s| if s.has_normal { pressed::points_len(s.nodes, s.components) } else { 0 }],
     }
 }

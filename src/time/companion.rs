@@ -1,5 +1,6 @@
 //! What may go along with a step: nothing in a run, the tangents when a step is repeated for its derivatives.
 
+use super::pressed::Level;
 use super::scheme::Stage;
 use super::workspace::Workspace;
 use crate::error::Result;
@@ -27,6 +28,15 @@ pub(crate) trait Companion {
     ) -> Result<()>;
     /// The internal step of size `k` is complete.
     fn end(&mut self, model: &Model, state: &State, ws: &Workspace, k: f64);
+    /// What holds at its end has been solved for, where no stage has it; at this fraction of the communication step.
+    fn settle_end(
+        &mut self,
+        model: &Model,
+        state: &State,
+        ws: &mut Workspace,
+        k: f64,
+        fraction: f64,
+    ) -> Result<()>;
 }
 
 /// Which stage of an internal step.
@@ -36,6 +46,10 @@ pub(crate) struct StagePlace<'a> {
     pub index: usize,
     /// Fraction of the communication step.
     pub fraction: f64,
+    /// That of the end of the internal step.
+    pub end: f64,
+    /// What the gap was a condition on.
+    pub level: Level,
 }
 
 /// A step without a companion.
@@ -59,4 +73,14 @@ impl Companion for Alone {
         Ok(())
     }
     fn end(&mut self, _: &Model, _: &State, _: &Workspace, _: f64) {}
+    fn settle_end(
+        &mut self,
+        _: &Model,
+        _: &State,
+        _: &mut Workspace,
+        _: f64,
+        _: f64,
+    ) -> Result<()> {
+        Ok(())
+    }
 }

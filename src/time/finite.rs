@@ -22,7 +22,7 @@ pub(crate) struct FiniteCheck {
 
 impl FiniteCheck {
     pub fn new(model: &Model) -> FiniteCheck {
-        let measures = (0..model.input_count()).map(|i| model.load_measure(i));
+        let measures = (0..model.motions().loads()).map(|i| model.load_measure(i));
         let divisors = model.contact().weights.iter().copied().chain(measures);
         // stress is force by weight, mean displacement an integral by the measure of the part
         let largest = MODERATE * divisors.fold(1.0, f64::min);
@@ -43,7 +43,13 @@ impl FiniteCheck {
         for port in model.ports().outputs() {
             let values = &mut self.values[..port.len()];
             readout::read(model, state, port, values);
-            let is_shown = !matches!(port.quantity, Quantity::Stick | Quantity::StickFraction);
+            let is_shown = !matches!(
+                port.quantity,
+                Quantity::Stick
+                    | Quantity::StickFraction
+                    | Quantity::Status
+                    | Quantity::OpenFraction
+            );
             if is_shown && values.iter().any(|v| !v.is_finite()) {
                 return Some(port.name.clone());
             }

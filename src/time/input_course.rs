@@ -14,11 +14,15 @@
 //! the load has an error of second order, and 0 after a jump, where the slope itself would overshoot by the height of the
 //! jump. The first slope has none before it and is taken as it is.
 //!
+//! A driven part whose displacement is given moves with the velocity that takes it where the input has it at the end of the step:
+//! its course is that constant velocity.
+//!
 //! Where `f(t)` is not `f_n` the load jumps at the beginning of the step, and the velocity follows before the step is taken.
 
 use super::workspace::LoadCourse;
 use crate::error::{Error, Result};
 use crate::model::Model;
+use crate::model::motions::{Drive, FoundationMotion};
 use crate::scene::{Inputs, Interpolation};
 use crate::state::{State, input_memory as memory};
 
@@ -33,8 +37,13 @@ const STEEPEST: f64 = 2.0;
 /// [`Error::Value`] for a slope that leads out of the numbers.
 pub(crate) fn begin(model: &Model, state: &State, h: f64, course: &mut LoadCourse) -> Result<bool> {
     let mut has_jump = false;
+    course.size = h;
     for (i, kind) in model.interpolations().iter().enumerate() {
         let (applied, value) = (state.loads[i], state.inputs[i]);
+        if let Some(drive) = displaced(model, i) {
+            has_jump |= begin_displaced(model, state, h, course, (i, drive))?;
+            continue;
+        }
         let (start, slope, slope_by_input) = match (given_slope(state, i), kind, state.meaning()) {
             (Some(slope), ..) => (value, slope, 0.0),
             (None, Interpolation::Hold, _) | (None, _, Inputs::Hold) => (value, 0.0, 0.0),
@@ -48,20 +57,101 @@ pub(crate) fn begin(model: &Model, state: &State, h: f64, course: &mut LoadCours
             }
         };
         let end = value + slope * h;
-        if !end.is_finite() {
-            return Err(Error::Value {
-                what: format!(
-                    "input {} at the end of the step",
-                    model.ports().all()[i].name
-                ),
-                found: end,
-                allowed: "a finite number; its slope leads out of the numbers",
-            });
-        }
+        check_end(model, i, end)?;
         has_jump |= (start - applied).abs() > ROUNDING * (start.abs() + applied.abs());
         set(course, i, [start, end], [1.0, 1.0 + slope_by_input * h]);
     }
     Ok(has_jump)
+}
+
+fn check_end(model: &Model, input: usize, end: f64) -> Result<()> {
+    if end.is_finite() {
+        return Ok(());
+    }
+    Err(Error::Value {
+        what: format!(
+            "input {} at the end of the step",
+            model.ports().all()[input].name
+        ),
+        found: end,
+        allowed: "a finite number; its slope leads out of the numbers",
+    })
+}
+
+/// The drive whose displacement an input is.
+fn displaced(model: &Model, input: usize) -> Option<usize> {
+    let motions = model.motions();
+    let drive = input.checked_sub(motions.loads())?;
+    let is_displacement = |drive: &Drive| drive.is_displacement;
+    motions
+        .drives
+        .get(drive)
+        .is_some_and(is_displacement)
+        .then_some(drive)
+}
+
+/// Whether an input is the displacement of a driven part.
+pub(crate) fn is_displaced(model: &Model, input: usize) -> bool {
+    displaced(model, input).is_some()
+}
+
+/// The constant velocity that leads to a given displacement.
+fn begin_displaced(
+    model: &Model,
+    state: &State,
+    h: f64,
+    course: &mut LoadCourse,
+    (i, drive): (usize, usize),
+) -> Result<bool> {
+    let (slope, slope_by_input) = match (given_slope(state, i), state.meaning()) {
+        (Some(slope), _) => (slope, 0.0),
+        (None, Inputs::Continue) => continued(state, i),
+        (None, Inputs::Hold | Inputs::EndOfStep) => (0.0, 0.0),
+    };
+    let (end, from) = (state.inputs[i] + slope * h, state.drive_displacement[drive]);
+    check_end(model, i, end)?;
+    let velocity = (end - from) / h;
+    check_end(model, i, velocity)?;
+    let by_input = (1.0 + slope_by_input * h) / h;
+    set(course, i, [velocity; 2], [by_input; 2]);
+    let rounding =
+        ROUNDING * (velocity.abs() + state.loads[i].abs() + (end.abs() + from.abs()) / h);
+    Ok((velocity - state.loads[i]).abs() > rounding)
+}
+
+/// Inputs at the start of a simulation: displacements of driven parts begin where they are, at rest unless a slope is given.
+pub(crate) fn start(model: &Model, state: &mut State) {
+    for i in 0..state.inputs.len() {
+        match displaced(model, i) {
+            Some(drive) => {
+                state.drive_displacement[drive] = state.inputs[i];
+                state.loads[i] = given_slope(state, i).unwrap_or(0.0);
+            }
+            None => state.loads[i] = state.inputs[i],
+        }
+    }
+}
+
+/// Velocity of the foundation towards the body at the start: that of the slopes given.
+pub(crate) fn start_approach(model: &Model, state: &State) -> f64 {
+    let motions = model.motions();
+    let of = |(motion, moves): (usize, &FoundationMotion)| match moves.is_approach {
+        true => given_slope(state, motions.foundation_input(motion)).unwrap_or(0.0),
+        false => 0.0,
+    };
+    motions.foundation.iter().enumerate().map(of).sum()
+}
+
+/// The inputs as set jump now; whether any of them does. Displacements cannot.
+pub(crate) fn jump(model: &Model, state: &mut State) -> bool {
+    let mut has_jump = false;
+    for i in 0..state.inputs.len() {
+        if displaced(model, i).is_none() && state.loads[i] != state.inputs[i] {
+            state.loads[i] = state.inputs[i];
+            has_jump = true;
+        }
+    }
+    has_jump
 }
 
 fn set(course: &mut LoadCourse, i: usize, [start, end]: [f64; 2], [start_by, end_by]: [f64; 2]) {

@@ -4,10 +4,14 @@ use super::scheme::{Stage, Tableau};
 use super::workspace::{Explicit, Velocity, Workspace};
 use crate::linalg::{add_scaled, dot};
 use crate::model::Model;
-use crate::state::{State, energy};
+use crate::model::motions::Motions;
+use crate::scene::Condition;
+use crate::state::{Instant, State, energy};
 
-/// `p = u_n + k sum_j a_j w_j`, for the displacement of the body and the accumulated slip.
+/// `p = u_n + k sum_j a_j w_j`, for the displacement of the body, that of its contact nodes along their normals, those of driven
+/// parts, and the accumulated slip.
 pub(crate) fn explicit_part(
+    motions: &Motions,
     state: &State,
     known: &[Velocity],
     stage: &Stage,
@@ -20,6 +24,12 @@ pub(crate) fn explicit_part(
     explicit
         .accumulated_slip
         .copy_from_slice(&state.main.accumulated_slip);
+    explicit
+        .normal_displacement
+        .copy_from_slice(&state.main.normal_displacement);
+    explicit
+        .drive_displacement
+        .copy_from_slice(&state.drive_displacement);
     for (a, velocity) in stage.explicit.iter().zip(known) {
         if *a != 0.0 {
             add_scaled(
@@ -28,12 +38,31 @@ pub(crate) fn explicit_part(
                 &velocity.instant.velocity,
             );
             add_scaled(&mut explicit.accumulated_slip, a * k, &velocity.magnitude);
+            add_scaled(
+                &mut explicit.normal_displacement,
+                a * k,
+                &velocity.instant.normal_velocity,
+            );
+            add_drives(
+                motions,
+                &mut explicit.drive_displacement,
+                a * k,
+                &velocity.load,
+            );
         }
     }
 }
 
+/// Adds the velocities of driven parts, which are among the inputs.
+pub(crate) fn add_drives(motions: &Motions, displacement: &mut [f64], factor: f64, inputs: &[f64]) {
+    for (drive, displacement) in displacement.iter_mut().enumerate() {
+        *displacement += factor * inputs[motions.drive_input(drive)];
+    }
+}
+
 /// `u_{n+1} = u_n + k sum_j b_j w_j` for everything that is integrated.
-pub(crate) fn integrate(tableau: &Tableau, state: &mut State, velocities: &[Velocity], k: f64) {
+pub(crate) fn integrate(model: &Model, state: &mut State, velocities: &[Velocity], k: f64) {
+    let tableau = model.tableau();
     integrate_solution(tableau, state, velocities, k);
     for (j, velocity) in velocities.iter().enumerate() {
         let weight = tableau.weight(j) * k;
@@ -44,6 +73,8 @@ pub(crate) fn integrate(tableau: &Tableau, state: &mut State, velocities: &[Velo
                 weight,
                 &velocity.instant.output_velocity,
             );
+            let displacement = &mut state.drive_displacement;
+            add_drives(model.motions(), displacement, weight, &velocity.load);
         }
     }
 }
@@ -68,6 +99,11 @@ pub(crate) fn integrate_solution(
                 weight,
                 &velocity.magnitude,
             );
+            add_scaled(
+                &mut state.main.normal_displacement,
+                weight,
+                &velocity.instant.normal_velocity,
+            );
         }
     }
 }
@@ -80,13 +116,99 @@ pub(crate) fn add_energies(model: &Model, state: &mut State, ws: &mut Workspace,
         velocities, mean, ..
     } = ws;
     mean.set_mean(tableau, velocities);
-    let (viscous, _) = model.body().products(&mean.instant.velocity);
-    let (_, elastic) = model.body().products(&state.main.displacement);
-    // the outputs begin with the loads
-    state.energy[energy::EXTERNAL_WORK] += k * dot(&mean.load, &mean.instant.output_velocity);
+    let (mut viscous, _) = model.body().products(&mean.instant.velocity);
+    let (_, mut elastic) = model.body().products(&state.main.displacement);
+    let motions = model.motions();
+    // both begin with the loads
+    let loads = &mean.load[..motions.loads()];
+    let mut external = dot(loads, &mean.instant.output_velocity);
+    if !motions.is_empty() {
+        let approach = (ws.approach[1] - ws.approach[0]) / k;
+        external += power_of_motions(motions, &mean.load, &mean.instant, approach);
+        let own: [&[f64]; 2] = [&mean.load, &mean.instant.output_velocity];
+        viscous += motions.viscous_product(own, own);
+        let displacement = &state.drive_displacement;
+        elastic += motions.elastic_product(displacement, displacement);
+    }
+    state.energy[energy::EXTERNAL_WORK] += k * external;
     state.energy[energy::VISCOUS] += k * viscous;
     state.energy[energy::FRICTION] += k * dot(&mean.instant.reaction, &mean.instant.slip_rate);
-    state.energy[energy::ELASTIC] = 0.5 * elastic;
+    state.energy[energy::ELASTIC] = 0.5 * elastic + foundation_energy(model, state, ws.approach[1]);
+    if !tableau.ends_with_stage() {
+        state
+            .mean_slip_rate
+            .copy_from_slice(&mean.instant.slip_rate);
+        state.mean_force.copy_from_slice(&mean.instant.force);
+        state
+            .mean_normal_force
+            .copy_from_slice(&mean.instant.normal_force);
+    }
+}
+
+/// Power of what drives the driven parts and moves the foundation; `approach` is the velocity of the latter towards the body.
+pub(crate) fn power_of_motions(
+    motions: &Motions,
+    inputs: &[f64],
+    instant: &Instant,
+    approach: f64,
+) -> f64 {
+    let drives = instant.drive_force.iter().enumerate();
+    let driven = drives.map(|(drive, force)| force * inputs[motions.drive_input(drive)]);
+    let moves = instant.foundation_force.iter().zip(&motions.foundation);
+    let (mut moved, mut approached) = (0.0, 0.0);
+    for (at, (force, motion)) in moves.enumerate() {
+        match motion.is_approach {
+            // all of them have the same force, and share the velocity
+            true => approached = force * approach,
+            false => moved += force * inputs[motions.foundation_input(at)],
+        }
+    }
+    driven.sum::<f64>() + moved + approached
+}
+
+/// Energy stored in a foundation that gives way, J; `approach` is its displacement towards the body.
+fn foundation_energy(model: &Model, state: &State, approach: f64) -> f64 {
+    let Condition::Compliance {
+        stiffness,
+        exponent,
+        ..
+    } = model.condition()
+    else {
+        return 0.0;
+    };
+    let contact = model.contact();
+    let nodes = contact.gaps.iter().zip(&state.main.normal_displacement);
+    let stored = nodes.zip(&contact.weights).map(|((gap, moved), weight)| {
+        let depth = (approach - gap - moved).max(0.0);
+        weight * stiffness * depth.powf(exponent + 1.0) / (exponent + 1.0)
+    });
+    stored.sum()
+}
+
+/// Its derivative along those of the normal displacements and of the approach.
+pub(crate) fn foundation_energy_slope(
+    model: &Model,
+    state: &State,
+    approach: f64,
+    moves: &[f64],
+    approaches: f64,
+) -> f64 {
+    let Condition::Compliance {
+        stiffness,
+        exponent,
+        ..
+    } = model.condition()
+    else {
+        return 0.0;
+    };
+    let contact = model.contact();
+    let nodes = contact.gaps.iter().zip(&state.main.normal_displacement);
+    let gained = nodes.zip(contact.weights.iter().zip(moves));
+    let gained = gained.map(|((gap, moved), (weight, moves))| {
+        let depth = (approach - gap - moved).max(0.0);
+        weight * stiffness * depth.powf(*exponent) * (approaches - moves)
+    });
+    gained.sum()
 }
 
 /// Appends the instant to the ring of the past.

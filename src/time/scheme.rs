@@ -6,12 +6,13 @@
 //! u_i = p_i + theta_i k w_i,   p_i = u_n + k sum_{j < i} a_ij w_j     (w_0 is the velocity at the start of the step)
 //! ```
 //!
-//! and the last stage is the new instant. Everything else that is integrated in time (contact slip, accumulated slip,
+//! and the last stage is the new instant, but for the midpoint rule, whose one stage has the means over the step. Everything else that is integrated in time (contact slip, accumulated slip,
 //! conjugate displacements) follows the same formula.
 //!
 //! | scheme | theta | order | stability |
 //! |---|---|---|---|
 //! | trapezoid (3.2)-(3.4) | 1/2 | 2 | A-stable, rings at large k |
+//! | midpoint | 1/2 | 2 | A-stable, rings at large k |
 //! | rectangle (3.26) | 0 | 1 | k < 2 / fastest relaxation rate |
 //! | backward Euler | 1 | 1 | L-stable |
 //! | TR-BDF2 | 1 - sqrt(2)/2 | 2 | L-stable |
@@ -41,6 +42,8 @@ pub struct Tableau {
     stages: [Stage; MAX_STAGES],
     count: usize,
     order: u32,
+    /// Weight of the last stage in the whole step; those of the others are its explicit ones.
+    last_weight: f64,
 }
 
 impl Tableau {
@@ -54,11 +57,26 @@ impl Tableau {
             }; MAX_STAGES],
             count: 1,
             order,
+            last_weight: theta,
         };
         match scheme {
-            Scheme::Trapezoid => single(0.5, 0.5, 2),
+            // scenes say what it stands for
+            Scheme::Auto | Scheme::Trapezoid => single(0.5, 0.5, 2),
             Scheme::Rectangle => single(1.0, 0.0, 1),
             Scheme::BackwardEuler => single(0.0, 1.0, 1),
+            Scheme::Midpoint => {
+                let stage = Stage {
+                    instant: 0.5,
+                    explicit: [0.0; MAX_STAGES],
+                    theta: 0.5,
+                };
+                Tableau {
+                    stages: [stage; MAX_STAGES],
+                    count: 1,
+                    order: 2,
+                    last_weight: 1.0,
+                }
+            }
             Scheme::TrBdf2 => {
                 let theta = 1.0 - FRAC_1_SQRT_2;
                 let outer = 0.5 * FRAC_1_SQRT_2;
@@ -77,6 +95,7 @@ impl Tableau {
                     ],
                     count: 2,
                     order: 2,
+                    last_weight: theta,
                 }
             }
         }
@@ -91,10 +110,15 @@ impl Tableau {
     pub fn weight(&self, j: usize) -> f64 {
         let last = &self.stages[self.count - 1];
         if j == self.count {
-            last.theta
+            self.last_weight
         } else {
             last.explicit[j]
         }
+    }
+
+    /// Whether the last stage is the new instant; otherwise it has the means over the step.
+    pub fn ends_with_stage(&self) -> bool {
+        self.stages[self.count - 1].instant == 1.0
     }
 
     /// Order of the error in time, from a consistent start.
@@ -127,6 +151,7 @@ mod tests {
         for scheme in [
             Scheme::Trapezoid,
             Scheme::Rectangle,
+            Scheme::Midpoint,
             Scheme::BackwardEuler,
             Scheme::TrBdf2,
         ] {

@@ -5,7 +5,7 @@ use super::companion::Alone;
 use super::control::watch;
 use super::record::integrate_solution;
 use super::sizes::Part;
-use super::stage::{settle, solve_stages};
+use super::stage::{settle, solve_end, solve_stages};
 use super::workspace::Workspace;
 use crate::error::Result;
 use crate::model::Model;
@@ -22,8 +22,13 @@ pub(crate) fn start(model: &Model, state: &mut State) {
 ///
 /// # Errors
 /// [`crate::Error::NotConverged`].
-pub(crate) fn follow_jump(model: &Model, state: &mut State, ws: &mut Workspace) -> Result<()> {
-    follow_with(model, state, |state| settle(model, state, ws))
+pub(crate) fn follow_jump(
+    model: &Model,
+    state: &mut State,
+    ws: &mut Workspace,
+    approach: f64,
+) -> Result<()> {
+    follow_with(model, state, |state| settle(model, state, ws, approach))
 }
 
 /// The second solution takes a part that the main one has taken.
@@ -45,6 +50,7 @@ pub(crate) fn follow(
             let last = model.tableau().stages().len();
             ws.velocities[last].store_into(state);
             integrate_solution(model.tableau(), state, &ws.velocities[..=last], k);
+            solve_end(model, state, ws, k, at(1.0))?;
         }
         Ok(())
     })

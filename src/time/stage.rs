@@ -2,33 +2,51 @@
 //! Each predicts the free motion, solves friction on the contact and corrects the body.
 
 use super::companion::{Companion, StagePlace};
-use super::record::explicit_part;
-use super::workspace::Workspace;
+use super::pressed::{Level, PressedStage};
+use super::record::{add_drives, explicit_part};
+use super::workspace::{Velocity, Workspace};
+use crate::contact::law::{Memory, PressedLaw};
+use crate::contact::problem::norm;
 use crate::contact::solve::newton::linearisation::Linearisation;
 use crate::contact::solve::{fixed_point, multiplicity, newton};
-use crate::contact::{ContactProblem, problem::norm};
+use crate::contact::{ContactProblem, SlipPath};
 use crate::error::{Error, Result};
+use crate::linalg::multiply;
 use crate::model::{Model, SolverSettings};
-use crate::scene::Start;
-use crate::state::{State, report};
+use crate::scene::{Condition, Start};
+use crate::state::{Instant, State, report};
 
-/// Makes velocity and contact forces consistent with the loads of this instant: the inequality at fixed displacement.
+/// Makes velocity and contact forces consistent with the inputs of this instant: the inequality at fixed displacement.
+/// `approach` is the velocity of the foundation towards the body.
 ///
 /// # Errors
 /// [`crate::Error::NotConverged`].
-pub(crate) fn settle(model: &Model, state: &mut State, ws: &mut Workspace) -> Result<()> {
+pub(crate) fn settle(
+    model: &Model,
+    state: &mut State,
+    ws: &mut Workspace,
+    approach: f64,
+) -> Result<()> {
     if model.start() == Start::Zero {
         return Ok(());
     }
-    ws.explicit
-        .displacement
-        .copy_from_slice(&state.main.displacement);
-    ws.explicit
-        .accumulated_slip
-        .copy_from_slice(&state.main.accumulated_slip);
     ws.load.copy_from_slice(&state.loads);
+    settle_at(model, state, ws, approach)
+}
+
+/// The same for the inputs in `ws.load`.
+fn settle_at(model: &Model, state: &mut State, ws: &mut Workspace, approach: f64) -> Result<()> {
+    ws.explicit.follow(state);
     ws.velocities[0].load_from(state);
-    solve_stage(model, state, ws, 0.0, 0)?;
+    let level = Level::Velocity {
+        approach: model.motions().approach(&ws.load),
+        velocity: approach,
+    };
+    let memory = Span {
+        length: 0.0,
+        step: 0.0,
+    };
+    solve_stage(model, state, ws, (0.0, level, memory), 0)?;
     ws.velocities[0].store_into(state);
     Ok(())
 }
@@ -45,61 +63,311 @@ pub(crate) fn solve_stages(
     at: impl Fn(f64) -> f64,
     companion: &mut impl Companion,
 ) -> Result<()> {
+    let motions = model.motions();
     ws.velocities[0].load_from(state);
+    ws.course.at(at(1.0), &mut ws.load);
+    let end = motions.approach(&ws.load);
     ws.course.at(at(0.0), &mut ws.load);
+    ws.approach = [motions.approach(&ws.load), end];
     ws.velocities[0].load.copy_from_slice(&ws.load);
     companion.begin(at(0.0));
+    let is_at_end = !model.tableau().ends_with_stage()
+        && !matches!(model.condition(), Condition::Compliance { .. });
+    let mut before = 0.0;
     for (i, stage) in model.tableau().stages().iter().enumerate() {
         let (index, fraction) = (i + 1, at(stage.instant));
-        explicit_part(state, &ws.velocities[..index], stage, k, &mut ws.explicit);
+        let length = (stage.instant - before) * k;
+        before = stage.instant;
+        let memory = Span {
+            length,
+            step: if model.tableau().ends_with_stage() {
+                length
+            } else {
+                k
+            },
+        };
+        let known = &ws.velocities[..index];
+        explicit_part(motions, state, known, stage, k, &mut ws.explicit);
         ws.course.at(fraction, &mut ws.load);
         ws.velocities[index].copy_warm_start(state);
-        solve_stage(model, state, ws, stage.theta * k, index)?;
+        let level = match is_at_end {
+            true => Level::Position {
+                rate: k,
+                approach: end,
+            },
+            false => Level::Position {
+                rate: stage.theta * k,
+                approach: motions.approach(&ws.load),
+            },
+        };
+        solve_stage(model, state, ws, (stage.theta * k, level, memory), index)?;
         ws.velocities[index].store_contact(state);
         let place = StagePlace {
             stage,
             index,
             fraction,
+            end: at(1.0),
+            level,
         };
         companion.stage(model, state, ws, k, place)?;
     }
     Ok(())
 }
 
-/// Solves one stage with implicit weight `theta_k` for the explicit part and loads in `ws`, into `ws.velocities[index]`,
+/// After a step whose stages have means only: what holds at its end, at the fraction `at` of the communication step.
+///
+/// # Errors
+/// [`crate::Error::NotConverged`].
+pub(crate) fn solve_end(
+    model: &Model,
+    state: &mut State,
+    ws: &mut Workspace,
+    k: f64,
+    at: f64,
+) -> Result<()> {
+    if model.tableau().ends_with_stage() {
+        return Ok(());
+    }
+    ws.course.at(at, &mut ws.load);
+    let approach = (ws.approach[1] - ws.approach[0]) / k;
+    settle_at(model, state, ws, approach)
+}
+
+/// Solves one stage with implicit weight `theta_k` for the explicit part and inputs in `ws`, into `ws.velocities[index]`,
 /// whose contact velocity is the warm start.
 fn solve_stage(
     model: &Model,
     state: &mut State,
     ws: &mut Workspace,
-    theta_k: f64,
+    (theta_k, level, span): (f64, Level, Span),
     index: usize,
 ) -> Result<()> {
-    let body = model.body();
+    predict(model, ws, theta_k)?;
+    if let [cancelled] = &mut ws.velocities[index].instant.cancelled[..] {
+        *cancelled = model.body().cancelled_norm(&ws.scratch);
+    }
+    let solved = match ws.pressed {
+        Some(_) => solve_with_pressure(model, state, ws, (theta_k, level, span), index),
+        None => solve_without_pressure(model, state, ws, theta_k, index),
+    };
+    let settings = model.solver();
+    if !solved.converged && !solved.residual.is_finite() {
+        return Err(Error::Overflow {
+            what: "the residual of the friction law".into(),
+            time: state.time,
+        });
+    }
+    if !solved.converged {
+        return Err(Error::NotConverged {
+            time: state.time,
+            residual: solved.residual,
+            tolerance: settings.tolerance(),
+            iterations: solved.iterations,
+            node: solved.node,
+        });
+    }
+    if let Some(fault) = solved.fault {
+        return Err(fault);
+    }
+    if model.has_multiplicity_test() && ws.pressed.is_none() {
+        test_multiplicity(model, state, ws, theta_k, index);
+    }
+    let entry = &mut state.report;
+    entry[report::ITERATIONS] += solved.iterations as f64;
+    entry[report::RESIDUAL] = entry[report::RESIDUAL].max(solved.residual);
+    if solved.is_at_rounding {
+        entry[report::AT_ROUNDING] = 1.0;
+    }
+    correct(model, ws, theta_k, index);
+    remember(model, state, ws, span, index);
+    Ok(())
+}
+
+/// What moves the state of a friction law.
+#[derive(Debug, Clone, Copy)]
+struct Span {
+    /// Time over which the state is moved in the stage, s.
+    length: f64,
+    /// Time over which the slip rate of the stage moves it for good, s.
+    step: f64,
+}
+
+/// The states of the friction law that a stage begins with and moves.
+fn memory<'a>(model: &Model, before: &'a Velocity, length: f64) -> Memory<'a> {
+    Memory {
+        states: &before.friction_state,
+        rates: &before.magnitude,
+        length,
+        is_averaged: length > 0.0 && model.tableau().uses_start_velocity(),
+    }
+}
+
+/// The states of the friction law after a stage; a node that is open ages at rest.
+fn remember(model: &Model, state: &State, ws: &mut Workspace, span: Span, index: usize) {
+    if ws.velocities[index].friction_state.is_empty() || index == 0 {
+        return;
+    }
+    let (known, rest) = ws.velocities.split_at_mut(index);
+    let memory = memory(model, &known[index - 1], span.step);
+    let to = &mut rest[0];
+    for (node, (moved, rate)) in to.friction_state.iter_mut().zip(&to.magnitude).enumerate() {
+        let path = memory.path(node);
+        *moved = model
+            .friction()
+            .advance(&state.coefficients, node, path, *rate);
+    }
+}
+
+/// The condensed load of the free motion, relative to what moves, for the explicit part and the inputs in `ws`.
+pub(crate) fn predict(model: &Model, ws: &mut Workspace, theta_k: f64) -> Result<()> {
+    let (body, motions) = (model.body(), model.motions());
     let stage = ws.stages.get(body, theta_k, &mut ws.scratch)?;
+    motions.forces(&ws.load, &mut ws.forces);
     body.predict(
         stage,
         &ws.explicit.displacement,
-        &ws.load,
+        &ws.forces,
         &mut ws.condensed_load,
         &mut ws.scratch,
     );
-    let bounds = model.friction().with(&state.coefficients);
-    if let [cancelled] = &mut ws.velocities[index].instant.cancelled[..] {
-        *cancelled = body.cancelled_norm(&ws.scratch);
+    if !ws.shift.is_empty() {
+        motions.shift(&ws.load, &mut ws.shift);
+        multiply(stage.s.as_ref(), &ws.shift, &mut ws.shifted);
+        for (load, shifted) in ws.condensed_load.iter_mut().zip(&ws.shifted) {
+            *load -= shifted;
+        }
     }
-    let contact = ContactProblem {
-        s: stage.s.as_ref(),
-        r: &ws.condensed_load,
-        components: model.contact().components,
-        weights: &model.contact().weights,
-        law: &bounds,
-        slip_base: &ws.explicit.accumulated_slip,
-        theta_k,
+    Ok(())
+}
+
+/// What a friction solver says of a stage.
+struct Solved {
+    iterations: usize,
+    residual: f64,
+    node: usize,
+    converged: bool,
+    is_at_rounding: bool,
+    /// Why the solution is none.
+    fault: Option<Error>,
+}
+
+impl Solved {
+    const NOTHING: Solved = Solved {
+        iterations: 0,
+        residual: f64::NAN,
+        node: 0,
+        converged: false,
+        is_at_rounding: false,
+        fault: None,
     };
-    let velocity = &mut ws.velocities[index];
+}
+
+fn solve_with_pressure(
+    model: &Model,
+    state: &mut State,
+    ws: &mut Workspace,
+    (theta_k, level, span): (f64, Level, Span),
+    index: usize,
+) -> Solved {
     let settings = model.solver();
-    let solution = match settings {
+    let weights = &model.contact().weights;
+    let (known, rest) = ws.velocities.split_at_mut(index.max(1));
+    let mut bounds = model
+        .friction()
+        .pressed(&state.coefficients, weights, theta_k);
+    // at the start the state is the one there
+    let before = index.saturating_sub(1);
+    let states = &mut ws.memory_states;
+    if !states.0.is_empty() {
+        states.0.copy_from_slice(&known[before].friction_state);
+        states.1.copy_from_slice(&known[before].magnitude);
+        bounds = bounds.remembering(Memory {
+            states: &states.0,
+            rates: &states.1,
+            length: span.length,
+            is_averaged: span.length > 0.0 && model.tableau().uses_start_velocity(),
+        });
+    }
+    let velocity = match index {
+        0 => &mut known[0],
+        _ => &mut rest[0],
+    };
+    let at = PressedStage {
+        model,
+        stage: ws.stages.current(),
+        load: &ws.condensed_load,
+        bounds: &bounds,
+        theta_k,
+        level,
+        slip: &ws.explicit.accumulated_slip,
+        displacement: &ws.explicit.normal_displacement,
+    };
+    let points = &mut state.main.pressed_point;
+    let limits = (settings.tolerance(), settings.max_iterations());
+    let pressed = ws.pressed.as_mut();
+    let found = pressed.map(|pressed| pressed.solve(&at, velocity, points, limits));
+    let fault = match model.friction().has_formula() {
+        true => fault_of_formula(&at, &bounds, &velocity.instant),
+        false => None,
+    };
+    found.map_or(Solved::NOTHING, |found| Solved {
+        iterations: found.iterations,
+        residual: found.residual,
+        node: found.node,
+        converged: found.converged,
+        is_at_rounding: found.is_at_rounding,
+        fault,
+    })
+}
+
+/// The first node of a solution where a formula gives no value that friction can have.
+fn fault_of_formula(at: &PressedStage, bounds: &PressedLaw, solution: &Instant) -> Option<Error> {
+    let components = at.model.contact().components;
+    let mut rates = solution.slip_rate.chunks_exact(components).map(norm);
+    let (node, found) = (0..at.slip.len()).find_map(|node| {
+        let slip = SlipPath {
+            base: at.slip[node],
+            per_rate: at.theta_k,
+        };
+        let found = bounds.fault(node, rates.next()?, solution.normal_force[node], slip);
+        found.map(|found| (node, found))
+    })?;
+    let path = at.model.friction().law().path(0);
+    Some(Error::Value {
+        what: format!("the value of {path} at contact node {node}"),
+        found,
+        allowed: "a finite number >= 0",
+    })
+}
+
+/// The contact problem without pressure of the stage that was predicted last.
+macro_rules! contact_problem {
+    ($model:expr, $ws:expr, $theta_k:expr, $bounds:expr) => {
+        ContactProblem {
+            s: $ws.stages.current().s.as_ref(),
+            r: &$ws.condensed_load,
+            components: $model.contact().components,
+            weights: &$model.contact().weights,
+            law: $bounds,
+            slip_base: &$ws.explicit.accumulated_slip,
+            theta_k: $theta_k,
+        }
+    };
+}
+
+fn solve_without_pressure(
+    model: &Model,
+    state: &mut State,
+    ws: &mut Workspace,
+    theta_k: f64,
+    index: usize,
+) -> Solved {
+    let body = model.body();
+    let bounds = model.friction().with(&state.coefficients);
+    let contact = contact_problem!(model, ws, theta_k, &bounds);
+    let stage = ws.stages.current();
+    let velocity = &mut ws.velocities[index];
+    let solution = match model.solver() {
         SolverSettings::Newton {
             tolerance,
             max_iterations,
@@ -114,6 +382,7 @@ fn solve_stage(
         SolverSettings::FixedPoint(settings) => {
             let (trial, scratch) = (&mut velocity.instant.velocity, &mut ws.scratch);
             let (last, explicit) = (&mut ws.last_iterate, &ws.explicit.displacement);
+            let (shift, shifted) = (&ws.shift, &mut ws.shifted);
             last.copy_from_slice(&state.main.displacement);
             fixed_point::solve(
                 &contact,
@@ -123,7 +392,7 @@ fn solve_stage(
                 &mut ws.newton,
                 &mut ws.fixed_point,
                 |w, force| {
-                    body.correct(stage, w, force, trial, scratch);
+                    body.correct(stage, add_shift(w, shift, shifted), force, trial, scratch);
                     let size = model.strain_norm(last);
                     for (i, w) in trial.iter_mut().enumerate() {
                         let displacement = explicit[i] + theta_k * *w;
@@ -135,65 +404,88 @@ fn solve_stage(
             )
         }
     };
-    if !solution.converged && !solution.residual.is_finite() {
-        return Err(Error::Overflow {
-            what: "the residual of the friction law".into(),
-            time: state.time,
-        });
+    if solution.converged {
+        let accepted = ws.newton.accepted();
+        contact.forces(accepted, &mut velocity.instant.force);
+        for (reaction, y) in velocity.instant.reaction.iter_mut().zip(&accepted.y) {
+            *reaction = -y;
+        }
     }
-    if !solution.converged {
-        return Err(Error::NotConverged {
-            time: state.time,
-            residual: solution.residual,
-            tolerance: settings.tolerance(),
-            iterations: solution.iterations,
-            node: solution.node,
-        });
+    Solved {
+        iterations: solution.iterations,
+        residual: solution.residual,
+        node: solution.node,
+        converged: solution.converged,
+        is_at_rounding: solution.is_at_rounding,
+        fault: None,
     }
-    if model.has_multiplicity_test() {
-        let found = multiplicity::test(
-            &contact,
-            &bounds,
-            settings.tolerance(),
-            settings.max_iterations(),
-            &velocity.instant.slip_rate,
-            &mut ws.multiplicity,
-        );
-        let entry = &mut state.report;
-        entry[report::SOLUTIONS] = entry[report::SOLUTIONS].max(found.solutions as f64);
-        entry[report::SOLUTION_GAP] = entry[report::SOLUTION_GAP].max(found.gap);
-    }
-    let entry = &mut state.report;
-    entry[report::ITERATIONS] += solution.iterations as f64;
-    entry[report::RESIDUAL] = entry[report::RESIDUAL].max(solution.residual);
+}
 
-    if solution.is_at_rounding {
-        entry[report::AT_ROUNDING] = 1.0;
+fn test_multiplicity(
+    model: &Model,
+    state: &mut State,
+    ws: &mut Workspace,
+    theta_k: f64,
+    index: usize,
+) {
+    let settings = model.solver();
+    let bounds = model.friction().with(&state.coefficients);
+    let found = multiplicity::test(
+        &contact_problem!(model, ws, theta_k, &bounds),
+        &bounds,
+        settings.tolerance(),
+        settings.max_iterations(),
+        &ws.velocities[index].instant.slip_rate,
+        &mut ws.multiplicity,
+    );
+    let entry = &mut state.report;
+    entry[report::SOLUTIONS] = entry[report::SOLUTIONS].max(found.solutions as f64);
+    entry[report::SOLUTION_GAP] = entry[report::SOLUTION_GAP].max(found.gap);
+}
+
+/// Velocities of the contact, `relative` to what moves, of the body without its drives.
+fn add_shift<'a>(relative: &'a [f64], shift: &[f64], out: &'a mut [f64]) -> &'a [f64] {
+    if shift.is_empty() {
+        return relative;
     }
-    let accepted = ws.newton.accepted();
-    contact.forces(accepted, &mut velocity.instant.force);
-    for (reaction, y) in velocity.instant.reaction.iter_mut().zip(&accepted.y) {
-        *reaction = -y;
+    for (out, (relative, shift)) in out.iter_mut().zip(relative.iter().zip(shift)) {
+        *out = relative + shift;
     }
-    let components = model.contact().components;
-    for (magnitude, w) in velocity
-        .magnitude
-        .iter_mut()
-        .zip(velocity.instant.slip_rate.chunks_exact(components))
-    {
-        *magnitude = norm(w);
-    }
+    out
+}
+
+/// The velocity of the whole body from the contact that was solved, what is seen of it, and what drives it.
+fn correct(model: &Model, ws: &mut Workspace, theta_k: f64, index: usize) {
+    let (body, motions) = (model.body(), model.motions());
+    let velocity = &mut ws.velocities[index];
+    velocity.set_magnitudes();
+    let instant = &mut velocity.instant;
+    let (relative, reaction): (&[f64], &[f64]) = match &ws.pressed {
+        Some(pressed) => (pressed.velocity(), &pressed.reaction),
+        None => (&instant.slip_rate, &instant.reaction),
+    };
     body.correct(
-        stage,
-        &velocity.instant.slip_rate,
-        &velocity.instant.reaction,
-        &mut velocity.instant.velocity,
+        ws.stages.current(),
+        add_shift(relative, &ws.shift, &mut ws.shifted),
+        reaction,
+        &mut instant.velocity,
         &mut ws.scratch,
     );
-    body.outputs(
-        &velocity.instant.velocity,
-        &mut velocity.instant.output_velocity,
-    );
+    body.outputs(&instant.velocity, &mut instant.output_velocity);
     velocity.load.copy_from_slice(&ws.load);
-    Ok(())
+    if motions.is_empty() {
+        return;
+    }
+    let displacement = &mut ws.explicit.drive_displacement;
+    add_drives(motions, displacement, theta_k, &ws.load);
+    motions.drive_forces(
+        &ws.load,
+        displacement,
+        &instant.output_velocity,
+        reaction,
+        &mut instant.drive_force,
+    );
+    motions.foundation_forces(reaction, &mut instant.foundation_force);
+    let drive = |drive: usize| ws.load[motions.drive_input(drive)];
+    motions.add_outputs(drive, &mut instant.output_velocity);
 }

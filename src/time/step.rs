@@ -25,7 +25,7 @@ use super::lost_digits;
 use super::record::{add_energies, integrate, record};
 use super::second;
 use super::sizes::{Part, Parts};
-use super::stage::{settle, solve_stages};
+use super::stage::{settle, solve_end, solve_stages};
 use super::workspace::Workspace;
 use crate::error::Result;
 use crate::model::Model;
@@ -93,8 +93,10 @@ fn apply_jumps(model: &Model, state: &mut State, ws: &mut Workspace, h: f64) -> 
     let is_settled = state.needs_settling == 0 && !has_jump;
     state.needs_settling = 0;
     if !is_settled && (model.tableau().uses_start_velocity() || model.tolerance().is_some()) {
-        settle(model, state, ws)?;
-        second::follow_jump(model, state, ws)?;
+        let approach = |inputs: &[f64]| model.motions().approach(inputs);
+        let rate = (approach(&ws.course.end) - approach(&ws.course.start)) / h;
+        settle(model, state, ws, rate)?;
+        second::follow_jump(model, state, ws, rate)?;
     }
     Ok(())
 }
@@ -108,17 +110,21 @@ fn internal_step(
     at: impl Fn(f64) -> f64,
     companion: &mut impl Companion,
 ) -> Result<()> {
-    solve_stages(model, state, ws, k, at, companion)?;
+    solve_stages(model, state, ws, k, &at, companion)?;
     let tableau = model.tableau();
     let last = tableau.stages().len();
     ws.velocities[last].store_into(state);
     let before = lost_digits::before(model, state, k);
-    integrate(tableau, state, &ws.velocities[..=last], k);
+    integrate(model, state, &ws.velocities[..=last], k);
     add_energies(model, state, ws, k);
     if let Some(before) = before {
         before.note(model, state, &ws.velocities[..=last], k);
     }
     companion.end(model, state, ws, k);
+    if !tableau.ends_with_stage() {
+        solve_end(model, state, ws, k, at(1.0))?;
+        companion.settle_end(model, state, ws, k, at(1.0))?;
+    }
     state.steps += 1;
     Ok(())
 }

@@ -10,11 +10,16 @@
 //! refused pair of steps is undone in the tangents too.
 
 use super::companion::{Companion, StagePlace};
-use super::record::{explicit_part, integrate};
+use super::pressed::{Level, PressedStage};
+use super::record::{
+    add_drives, explicit_part, foundation_energy_slope, integrate, power_of_motions,
+};
 use super::scheme::MAX_STAGES;
 use super::workspace::{Explicit, LoadCourse, Velocity, Workspace};
 use crate::body::BodyModel;
 use crate::contact::ContactProblem;
+use crate::contact::pressed::PressedProblem;
+use crate::contact::pressed::tangent::{Derivatives, PressedTangent};
 use crate::contact::problem::norm;
 use crate::contact::solve::tangent::FrictionTangent;
 use crate::error::{Error, Result};
@@ -25,7 +30,8 @@ use crate::ports::Tangent as PortTangent;
 use crate::ports::readout;
 use crate::scene::Start;
 use crate::simulator::Simulator;
-use crate::state::{State, energy};
+use crate::state::{Instant, State, energy};
+use faer::MatRef;
 
 impl Simulator {
     /// Derivative of all outputs (as [`Simulator::get_outputs`] orders them) at the end of the last step by its inputs (with the
@@ -96,7 +102,15 @@ impl Simulator {
             if model.start() == Start::Zero {
                 return Ok(());
             }
-            tangents.settle(model, state, ws)?;
+            let approach = model.motions().approach(&state.loads);
+            for t in &mut tangents.list {
+                let approach = model.motions().approach(&t.load);
+                t.level = Level::Velocity {
+                    approach,
+                    velocity: 0.0,
+                };
+            }
+            tangents.settle(model, state, ws, approach)?;
             for t in &mut tangents.list {
                 t.velocities[0].store_into(&mut t.state);
             }
@@ -193,6 +207,9 @@ struct Tangent {
     explicit: Explicit,
     course: LoadCourse,
     load: Vec<f64>,
+    /// Of what the gap is a condition on, and of the approach of the foundation at both ends of the internal step.
+    level: Level,
+    approach: [f64; 2],
     /// State and velocity at the start of a part that may be refused.
     kept: (State, Velocity),
 }
@@ -206,11 +223,18 @@ struct Tangents {
     product: Vec<f64>,
     /// Vector of the length of a state.
     sum: Vec<f64>,
+    /// Intensities of the columns of forces, and velocities of what moves.
+    forces: Vec<f64>,
+    shift: Vec<f64>,
+    /// Contact velocities and forces, and the gap.
+    velocity: Vec<f64>,
+    force: Vec<f64>,
+    gap: Vec<f64>,
 }
 
 impl Tangents {
     fn new(model: &Model, seeds: impl IntoIterator<Item = Vec<f64>>) -> Tangents {
-        let contact = model.contact().len();
+        let contact = model.contact().force_len();
         let tangent = |seed: Vec<f64>| Tangent {
             state: State::zero(model),
             velocities: std::array::from_fn(|_| Velocity::new(model)),
@@ -219,6 +243,11 @@ impl Tangents {
             course: LoadCourse::new(seed.len()),
             load: seed.clone(),
             seed,
+            level: Level::Velocity {
+                approach: 0.0,
+                velocity: 0.0,
+            },
+            approach: [0.0; 2],
             kept: (State::without_history(model), Velocity::new(model)),
         };
         Tangents {
@@ -226,86 +255,184 @@ impl Tangents {
             condensed_load: vec![0.0; contact],
             product: vec![0.0; contact],
             sum: vec![0.0; model.states()],
+            forces: vec![0.0; model.motions().force_count()],
+            shift: vec![0.0; contact],
+            velocity: vec![0.0; contact],
+            force: vec![0.0; contact],
+            gap: vec![0.0; model.contact().node_count()],
         }
     }
 
-    /// Tangent of `step::settle`, whose solution `state` holds.
-    fn settle(&mut self, model: &Model, state: &State, ws: &mut Workspace) -> Result<()> {
+    /// Tangent of `stage::settle`, whose solution `state` holds; the foundation has approached by `approach`.
+    fn settle(
+        &mut self,
+        model: &Model,
+        state: &State,
+        ws: &mut Workspace,
+        approach: f64,
+    ) -> Result<()> {
         ws.velocities[0].load_from(state);
         ws.explicit
             .accumulated_slip
             .copy_from_slice(&state.main.accumulated_slip);
-        self.solve(model, state, ws, 0.0, 0)
+        ws.explicit
+            .normal_displacement
+            .copy_from_slice(&state.main.normal_displacement);
+        let level = Level::Velocity {
+            approach,
+            velocity: 0.0,
+        };
+        self.solve(model, state, ws, (0.0, level), 0)
     }
 
-    /// Tangent of `step::solve_stage`: of the velocity at `index`, from the explicit parts and loads in the tangents.
+    /// Tangent of `stage::solve_stage`: of the velocity at `index`, from the explicit parts and inputs in the tangents.
     fn solve(
         &mut self,
         model: &Model,
         state: &State,
         ws: &mut Workspace,
-        theta_k: f64,
+        (theta_k, level): (f64, Level),
         index: usize,
     ) -> Result<()> {
-        let body = model.body();
-        let bounds = model.friction().with(&state.coefficients);
+        let (body, motions) = (model.body(), model.motions());
+        let solution = &ws.velocities[index].instant;
         let stage = ws.stages.get(body, theta_k, &mut ws.scratch)?;
-        let contact = ContactProblem {
-            s: stage.s.as_ref(),
-            r: &ws.condensed_load,
-            components: model.contact().components,
-            weights: &model.contact().weights,
-            law: &bounds,
-            slip_base: &ws.explicit.accumulated_slip,
+        let bounds = model.friction().with(&state.coefficients);
+        let weights = &model.contact().weights;
+        let pressed_bounds = model
+            .friction()
+            .pressed(&state.coefficients, weights, theta_k);
+        let at = PressedStage {
+            model,
+            stage,
+            load: &ws.condensed_load,
+            bounds: &pressed_bounds,
             theta_k,
+            level,
+            slip: &ws.explicit.accumulated_slip,
+            displacement: &ws.explicit.normal_displacement,
         };
-        let friction = FrictionTangent::new(&contact, &ws.velocities[index].instant.slip_rate);
+        let friction = match &mut ws.pressed {
+            Some(pressed) => {
+                let (tangent, problem) = pressed.tangent(&at, solution);
+                ContactTangent::Pressed(tangent, problem)
+            }
+            None => {
+                let contact = ContactProblem {
+                    s: stage.s.as_ref(),
+                    r: &ws.condensed_load,
+                    components: model.contact().components,
+                    weights,
+                    law: &bounds,
+                    slip_base: &ws.explicit.accumulated_slip,
+                    theta_k,
+                };
+                ContactTangent::Free(FrictionTangent::new(&contact, &solution.slip_rate))
+            }
+        };
+        let has_motions = !motions.is_empty();
+        let dr = &mut self.condensed_load;
         for tangent in &mut self.list {
             let velocity = &mut tangent.velocities[index];
-            body.predict(
-                stage,
-                &tangent.explicit.displacement,
-                &tangent.load,
-                &mut self.condensed_load,
-                &mut ws.scratch,
-            );
-            let dr = &mut self.condensed_load;
-            friction.apply(
-                dr,
-                &tangent.explicit.accumulated_slip,
-                &mut velocity.instant.slip_rate,
-                &mut velocity.magnitude,
-            );
-            multiply(contact.s, &velocity.instant.slip_rate, &mut self.product);
-            for (reaction, (dr, product)) in velocity
-                .instant
-                .reaction
-                .iter_mut()
-                .zip(dr.iter().zip(&self.product))
-            {
-                *reaction = dr - product;
+            motions.forces(&tangent.load, &mut self.forces);
+            let p = &tangent.explicit.displacement;
+            body.predict(stage, p, &self.forces, dr, &mut ws.scratch);
+            if has_motions {
+                motions.shift(&tangent.load, &mut self.shift);
+                multiply(stage.s.as_ref(), &self.shift, &mut self.product);
+                for (dr, product) in dr.iter_mut().zip(&self.product) {
+                    *dr -= product;
+                }
             }
             let slip = &tangent.explicit.accumulated_slip;
-            friction.forces(
-                &velocity.instant.slip_rate,
-                slip,
-                &velocity.instant.reaction,
-                &mut velocity.instant.force,
-            );
+            match &friction {
+                ContactTangent::Free(friction) => {
+                    let instant = &mut velocity.instant;
+                    friction.apply(dr, slip, &mut instant.slip_rate, &mut velocity.magnitude);
+                    self.velocity.copy_from_slice(&instant.slip_rate);
+                    balance(stage.s.as_ref(), dr, &self.velocity, &mut self.product);
+                    instant.reaction.copy_from_slice(&self.product);
+                    friction.forces(&self.velocity, slip, &self.product, &mut instant.force);
+                }
+                ContactTangent::Pressed(friction, problem) => {
+                    let moved = &tangent.explicit.normal_displacement;
+                    tangent
+                        .level
+                        .gap_slopes(model.condition(), moved, &mut self.gap);
+                    friction.apply(
+                        problem,
+                        &mut Derivatives {
+                            load: dr,
+                            slip,
+                            gap: &self.gap,
+                            velocity: &mut self.velocity,
+                            force: &mut self.force,
+                            magnitude: &mut velocity.magnitude,
+                        },
+                    );
+                    balance(stage.s.as_ref(), dr, &self.velocity, &mut self.product);
+                    let found = [&self.velocity[..], &self.force, &self.product];
+                    scatter(model.contact().components, found, &mut velocity.instant);
+                }
+            }
+            if has_motions {
+                for (velocity, shift) in self.velocity.iter_mut().zip(&self.shift) {
+                    *velocity += shift;
+                }
+            }
+            let instant = &mut velocity.instant;
+            let (contact, reaction) = (&self.velocity, &self.product);
             body.correct(
                 stage,
-                &velocity.instant.slip_rate,
-                &velocity.instant.reaction,
-                &mut velocity.instant.velocity,
+                contact,
+                reaction,
+                &mut instant.velocity,
                 &mut ws.scratch,
             );
-            body.outputs(
-                &velocity.instant.velocity,
-                &mut velocity.instant.output_velocity,
-            );
+            body.outputs(&instant.velocity, &mut instant.output_velocity);
             velocity.load.copy_from_slice(&tangent.load);
+            if has_motions {
+                let load = &tangent.load;
+                let displacement = &mut tangent.explicit.drive_displacement;
+                add_drives(motions, displacement, theta_k, load);
+                let conjugates = &instant.output_velocity;
+                let to = &mut instant.drive_force;
+                motions.drive_forces(load, displacement, conjugates, reaction, to);
+                motions.foundation_forces(reaction, &mut instant.foundation_force);
+                let drive = |drive: usize| load[motions.drive_input(drive)];
+                motions.add_outputs(drive, &mut instant.output_velocity);
+            }
         }
         Ok(())
+    }
+}
+
+/// The tangent of the contact problem, with pressure or without.
+enum ContactTangent<'a> {
+    Free(FrictionTangent),
+    Pressed(PressedTangent, PressedProblem<'a>),
+}
+
+/// Forces with which the body is in balance, `dr - S dv`.
+fn balance(s: MatRef<f64>, dr: &[f64], velocity: &[f64], out: &mut [f64]) {
+    multiply(s, velocity, out);
+    for (out, dr) in out.iter_mut().zip(dr) {
+        *out = dr - *out;
+    }
+}
+
+/// Velocities, forces and reactions in the order of the solver with pressure, node by node into an instant.
+fn scatter(c: usize, [velocity, force, reaction]: [&[f64]; 3], to: &mut Instant) {
+    let nodes = velocity.chunks_exact(c + 1).zip(force.chunks_exact(c + 1));
+    let nodes = nodes.zip(reaction.chunks_exact(c + 1));
+    for (node, ((velocity, force), reaction)) in nodes.enumerate() {
+        let own = node * c..(node + 1) * c;
+        to.slip_rate[own.clone()].copy_from_slice(&velocity[..c]);
+        to.force[own.clone()].copy_from_slice(&force[..c]);
+        to.reaction[own].copy_from_slice(&reaction[..c]);
+        to.normal_velocity[node] = velocity[c];
+        to.normal_force[node] = force[c];
+        to.normal_reaction[node] = 0.0 - reaction[c];
     }
 }
 
@@ -321,7 +448,16 @@ impl Companion for Tangents {
             has_jump |= t.load.iter().any(|v| *v != 0.0);
         }
         if has_jump && model.tableau().uses_start_velocity() && model.start() != Start::Zero {
-            self.settle(model, state, ws)?;
+            let motions = model.motions();
+            for t in &mut self.list {
+                let [start, end] = [&t.course.start, &t.course.end].map(|at| motions.approach(at));
+                t.level = Level::Velocity {
+                    approach: start,
+                    velocity: (end - start) / ws.course.size,
+                };
+            }
+            let approach = motions.approach(&ws.course.start);
+            self.settle(model, state, ws, approach)?;
         }
         Ok(())
     }
@@ -355,12 +491,58 @@ impl Companion for Tangents {
         k: f64,
         place: StagePlace,
     ) -> Result<()> {
+        let motions = model.motions();
+        let rate = match place.level {
+            Level::Position { rate, .. } => rate,
+            Level::Velocity { .. } => 0.0,
+        };
         for t in &mut self.list {
             let known = &t.velocities[..place.index];
-            explicit_part(&t.state, known, place.stage, k, &mut t.explicit);
+            explicit_part(motions, &t.state, known, place.stage, k, &mut t.explicit);
+            t.course.at(place.end, &mut t.load);
+            t.approach = [
+                motions.approach(&t.velocities[0].load),
+                motions.approach(&t.load),
+            ];
             t.course.at(place.fraction, &mut t.load);
+            // at the end of the step where the stage is not the new instant
+            let is_stage = rate == place.stage.theta * k;
+            let approach = match is_stage {
+                true => motions.approach(&t.load),
+                false => t.approach[1],
+            };
+            t.level = Level::Position { rate, approach };
         }
-        self.solve(model, state, ws, place.stage.theta * k, place.index)
+        self.solve(
+            model,
+            state,
+            ws,
+            (place.stage.theta * k, place.level),
+            place.index,
+        )
+    }
+
+    fn settle_end(
+        &mut self,
+        model: &Model,
+        state: &State,
+        ws: &mut Workspace,
+        k: f64,
+        fraction: f64,
+    ) -> Result<()> {
+        for t in &mut self.list {
+            t.course.at(fraction, &mut t.load);
+            t.explicit.follow(&t.state);
+            t.level = Level::Velocity {
+                approach: t.approach[1],
+                velocity: (t.approach[1] - t.approach[0]) / k,
+            };
+        }
+        self.settle(model, state, ws, ws.approach[1])?;
+        for t in &mut self.list {
+            t.velocities[0].store_into(&mut t.state);
+        }
+        Ok(())
     }
 
     fn end(&mut self, model: &Model, state: &State, ws: &Workspace, k: f64) {
@@ -369,7 +551,7 @@ impl Companion for Tangents {
         let body = model.body();
         for t in &mut self.list {
             t.velocities[last].store_into(&mut t.state);
-            integrate(tableau, &mut t.state, &t.velocities[..=last], k);
+            integrate(model, &mut t.state, &t.velocities[..=last], k);
             t.mean.set_mean(tableau, &t.velocities);
             let (mean, d) = (&ws.mean, &t.mean);
             let (viscous, _) = mixed_products(
@@ -381,10 +563,34 @@ impl Companion for Tangents {
             let displacement = &t.state.main.displacement;
             let (_, elastic) =
                 mixed_products(body, &state.main.displacement, displacement, &mut self.sum);
+            let motions = model.motions();
+            let loads = |inputs: &'_ [f64]| inputs[..motions.loads()].to_vec();
+            let mut external = dot(&loads(&mean.load), &d.instant.output_velocity)
+                + dot(&loads(&d.load), &mean.instant.output_velocity);
+            let (mut viscous, mut elastic) = (viscous, elastic);
+            if !motions.is_empty() {
+                let rate = |ends: [f64; 2]| (ends[1] - ends[0]) / k;
+                let (approach, approaches) = (rate(ws.approach), rate(t.approach));
+                external += power_of_motions(motions, &mean.load, &d.instant, approach)
+                    + power_of_motions(motions, &d.load, &mean.instant, approaches);
+                let own: [&[f64]; 2] = [&mean.load, &mean.instant.output_velocity];
+                let along: [&[f64]; 2] = [&d.load, &d.instant.output_velocity];
+                viscous += motions.viscous_product(own, along);
+                let displacement = [&state.drive_displacement, &t.state.drive_displacement];
+                elastic += motions.elastic_product(displacement[0], displacement[1]);
+            }
+            let moves = &t.state.main.normal_displacement;
+            let ends = (ws.approach[1], t.approach[1]);
+            elastic += foundation_energy_slope(model, state, ends.0, moves, ends.1);
+            if !tableau.ends_with_stage() {
+                let to = &mut t.state;
+                to.mean_slip_rate.copy_from_slice(&d.instant.slip_rate);
+                to.mean_force.copy_from_slice(&d.instant.force);
+                to.mean_normal_force
+                    .copy_from_slice(&d.instant.normal_force);
+            }
             let energy = &mut t.state.energy;
-            energy[energy::EXTERNAL_WORK] += k
-                * (dot(&mean.load, &d.instant.output_velocity)
-                    + dot(&d.load, &mean.instant.output_velocity));
+            energy[energy::EXTERNAL_WORK] += k * external;
             energy[energy::VISCOUS] += 2.0 * k * viscous;
             energy[energy::FRICTION] += k
                 * (dot(&mean.instant.reaction, &d.instant.slip_rate)

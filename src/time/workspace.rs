@@ -1,6 +1,7 @@
 //! Scratch of one simulator: rebuilt at will, never saved, never changes a result.
 
 use super::finite::FiniteCheck;
+use super::pressed::PressedScratch;
 use super::scheme::{MAX_STAGES, Tableau};
 use crate::body::{Scratch, StageCache};
 use crate::contact::solve::fixed_point::FixedPointWorkspace;
@@ -14,9 +15,13 @@ use crate::state::{Instant, State};
 /// Rates and forces at one instant of a step, with what is made of them and the loads.
 pub(crate) struct Velocity {
     pub instant: Instant,
-    /// Magnitude of the slip rate, one per node.
+    /// Growth of the accumulated slip, one per node: the magnitude of the slip rate, where the node is not open.
     pub magnitude: Vec<f64>,
+    /// The inputs there.
     pub load: Vec<f64>,
+    /// State of the friction law there, where it has one.
+    pub friction_state: Vec<f64>,
+    can_open: bool,
 }
 
 impl Velocity {
@@ -25,23 +30,41 @@ impl Velocity {
         Velocity {
             instant: Instant::allocate(&sizes),
             magnitude: vec![0.0; sizes.nodes],
-            load: vec![0.0; sizes.loads],
+            load: vec![0.0; sizes.inputs],
+            friction_state: vec![0.0; if sizes.has_memory { sizes.nodes } else { 0 }],
+            can_open: !model.contact().gaps.is_empty(),
         }
     }
 
     /// The instant a state stands at (loads apart).
     pub fn load_from(&mut self, state: &State) {
         self.instant.copy_blocks(&state.main.instant, |_| true);
+        self.friction_state
+            .copy_from_slice(&state.main.friction_state);
+        self.set_magnitudes();
+    }
+
+    /// Growth of the accumulated slip from the slip rates.
+    pub fn set_magnitudes(&mut self) {
         let components = self.instant.slip_rate.len() / self.magnitude.len();
         let rates = self.instant.slip_rate.chunks_exact(components);
         for (to, w) in self.magnitude.iter_mut().zip(rates) {
             *to = crate::contact::problem::norm(w);
         }
+        if self.can_open {
+            let forces = self.magnitude.iter_mut().zip(&self.instant.normal_force);
+            for (to, _) in forces.filter(|(_, force)| **force <= 0.0) {
+                *to = 0.0;
+            }
+        }
     }
 
     pub fn copy_warm_start(&mut self, state: &State) {
-        let warm = &state.main.instant.slip_rate;
-        self.instant.slip_rate.copy_from_slice(warm);
+        let (to, warm) = (&mut self.instant, &state.main.instant);
+        to.slip_rate.copy_from_slice(&warm.slip_rate);
+        to.normal_velocity.copy_from_slice(&warm.normal_velocity);
+        to.force.copy_from_slice(&warm.force);
+        to.normal_force.copy_from_slice(&warm.normal_force);
     }
 
     /// The contact of a stage: warm start and last forces of the next one.
@@ -50,17 +73,24 @@ impl Velocity {
         to.slip_rate.copy_from_slice(&from.slip_rate);
         to.force.copy_from_slice(&from.force);
         to.reaction.copy_from_slice(&from.reaction);
+        to.normal_velocity.copy_from_slice(&from.normal_velocity);
+        to.normal_force.copy_from_slice(&from.normal_force);
     }
 
     /// Makes this the instant of the state.
     pub fn store_into(&self, state: &mut State) {
         state.main.instant.copy_blocks(&self.instant, |_| true);
+        state
+            .main
+            .friction_state
+            .copy_from_slice(&self.friction_state);
     }
 
     pub fn copy_from(&mut self, other: &Velocity) {
         self.instant.copy_blocks(&other.instant, |_| true);
         self.magnitude.copy_from_slice(&other.magnitude);
         self.load.copy_from_slice(&other.load);
+        self.friction_state.copy_from_slice(&other.friction_state);
     }
 
     /// The mean over a step (weights b_j) of rates, forces and loads at its start and its stages.
@@ -83,13 +113,26 @@ impl Velocity {
     }
 }
 
-/// Loads at the two ends of a communication step, linear between them, and their derivatives by the inputs.
+/// Where an input bends within a communication step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Bend {
+    pub input: usize,
+    /// Fraction of the step, between 0 and 1.
+    pub fraction: f64,
+    pub value: f64,
+}
+
+/// Inputs at the two ends of a communication step, linear between them but for bends, and their derivatives by the inputs as set.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct LoadCourse {
     pub start: Vec<f64>,
     pub end: Vec<f64>,
     pub start_by_input: Vec<f64>,
     pub end_by_input: Vec<f64>,
+    /// Size of the communication step, s.
+    pub size: f64,
+    /// Ascending by input and fraction.
+    pub bends: Vec<Bend>,
 }
 
 impl LoadCourse {
@@ -100,6 +143,8 @@ impl LoadCourse {
             end: zeros.clone(),
             start_by_input: zeros.clone(),
             end_by_input: zeros,
+            size: 0.0,
+            bends: Vec::new(),
         }
     }
 
@@ -113,6 +158,19 @@ impl LoadCourse {
                 from + (to - from) * fraction
             };
         }
+        for bends in self.bends.chunk_by(|a, b| a.input == b.input) {
+            let input = bends[0].input;
+            let (start, end) = ((0.0, self.start[input]), (1.0, self.end[input]));
+            let next = bends.partition_point(|bend| bend.fraction < fraction);
+            let at = |i: usize| bends.get(i).map(|bend| (bend.fraction, bend.value));
+            let before = next.checked_sub(1).and_then(at).unwrap_or(start);
+            let after = at(next).unwrap_or(end);
+            let share = (fraction - before.0) / (after.0 - before.0);
+            loads[input] = match share {
+                1.0 => after.1,
+                _ => before.1 + (after.1 - before.1) * share,
+            };
+        }
     }
 }
 
@@ -120,6 +178,8 @@ impl LoadCourse {
 pub(crate) struct Explicit {
     pub displacement: Vec<f64>,
     pub accumulated_slip: Vec<f64>,
+    pub normal_displacement: Vec<f64>,
+    pub drive_displacement: Vec<f64>,
 }
 
 impl Explicit {
@@ -127,7 +187,21 @@ impl Explicit {
         Explicit {
             displacement: vec![0.0; model.states()],
             accumulated_slip: vec![0.0; model.contact().node_count()],
+            normal_displacement: vec![0.0; State::sizes(model).normal()],
+            drive_displacement: vec![0.0; model.motions().drives.len()],
         }
+    }
+
+    /// What holds with a step of size 0: the position of a state.
+    pub fn follow(&mut self, state: &State) {
+        let main = &state.main;
+        self.displacement.copy_from_slice(&main.displacement);
+        self.accumulated_slip
+            .copy_from_slice(&main.accumulated_slip);
+        self.normal_displacement
+            .copy_from_slice(&main.normal_displacement);
+        self.drive_displacement
+            .copy_from_slice(&state.drive_displacement);
     }
 }
 
@@ -164,10 +238,22 @@ pub(crate) struct Workspace {
     pub velocities: [Velocity; MAX_STAGES + 1],
     pub mean: Velocity,
     pub explicit: Explicit,
-    /// Loads over the communication step.
+    /// Inputs over the communication step.
     pub course: LoadCourse,
-    /// Loads at the instant of the stage.
+    /// Inputs at the instant of the stage.
     pub load: Vec<f64>,
+    /// Intensities of the columns of forces there.
+    pub forces: Vec<f64>,
+    /// Velocities of what the contact is solved relative to; empty where nothing moves.
+    pub shift: Vec<f64>,
+    /// Contact velocities of the body without its drives, and S times the shift.
+    pub shifted: Vec<f64>,
+    /// Displacement of the foundation towards the body at the beginning and at the end of the internal step.
+    pub approach: [f64; 2],
+    /// Scratch of the solver with pressure, where there is one.
+    pub pressed: Option<PressedScratch>,
+    /// States of the friction law and slip rates before the stage that is solved, where it has a memory.
+    pub memory_states: (Vec<f64>, Vec<f64>),
     pub condensed_load: Vec<f64>,
     /// Displacement of the last iterate of the fixed point.
     pub last_iterate: Vec<f64>,
@@ -181,18 +267,36 @@ impl Workspace {
         let contact = model.contact();
         let (nodes, len) = (contact.node_count(), contact.len());
         let loads = vec![0.0; model.interpolations().len()];
+        // the solvers without pressure are not needed with it
+        let (own_nodes, own_len) = match contact.has_normal {
+            true => (1, contact.components),
+            false => (nodes, len),
+        };
+        let shifted = match model.motions().is_empty() {
+            true => 0,
+            false => contact.force_len(),
+        };
         Workspace {
-            stages: StageCache::new(model.body(), model.sizes_kept()),
+            stages: StageCache::new(model.body(), model.sizes_kept(), contact.has_normal),
             scratch: model.body().scratch(),
-            newton: newton::Workspace::new(nodes, len),
-            fixed_point: FixedPointWorkspace::new(nodes, len),
-            multiplicity: MultiplicityWorkspace::new(nodes, len),
+            newton: newton::Workspace::new(own_nodes, own_len),
+            fixed_point: FixedPointWorkspace::new(own_nodes, own_len),
+            multiplicity: MultiplicityWorkspace::new(own_nodes, own_len),
+            forces: vec![0.0; model.motions().force_count()],
+            shift: vec![0.0; shifted],
+            shifted: vec![0.0; shifted],
+            approach: [0.0; 2],
+            pressed: contact.has_normal.then(|| PressedScratch::new(model)),
+            memory_states: match model.friction().has_memory() {
+                true => (vec![0.0; nodes], vec![0.0; nodes]),
+                false => (Vec::new(), Vec::new()),
+            },
             velocities: std::array::from_fn(|_| Velocity::new(model)),
             mean: Velocity::new(model),
             explicit: Explicit::new(model),
             course: LoadCourse::new(loads.len()),
             load: loads,
-            condensed_load: vec![0.0; len],
+            condensed_load: vec![0.0; contact.force_len()],
             last_iterate: vec![0.0; model.states()],
             finite: FiniteCheck::new(model),
             control: (model.tolerance().is_some()).then(|| ControlWorkspace::new(model)),

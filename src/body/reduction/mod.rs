@@ -102,7 +102,7 @@ pub fn reduce(
     let reference_rate = sampler.reference_rate();
     let interval = [slowest / reference_rate, fastest / reference_rate];
     let ports = sampler.ports();
-    let loads = body.loads.len();
+    let loads = body.force_columns().count();
     let of_loads = |value: f64| -> Vec<f64> {
         let others = 0..ports.others.len();
         others

@@ -3,7 +3,7 @@
 use crate::fem::Body;
 use faer::{Mat, MatRef};
 
-/// The ports of a body: contact dofs, then loads, then probes.
+/// The ports of a body: contact dofs, then loads and driven parts, then probes.
 pub struct PortMatrix {
     /// Free dofs n.
     pub rows: usize,
@@ -15,7 +15,7 @@ pub struct PortMatrix {
 
 impl PortMatrix {
     pub fn new(body: &Body) -> PortMatrix {
-        let loads = body.loads.iter().map(|l| l.entries.clone());
+        let loads = body.force_columns().cloned();
         let probes = body.probes.iter().flat_map(|p| p.rows.iter().cloned());
         PortMatrix {
             rows: body.len(),

@@ -103,6 +103,11 @@ impl ChosenLaw {
         is_coulomb || !self.law.kind().has_potential()
     }
 
+    /// Whether the law is a formula, whose value at a solution is to be checked with [`PressedLaw::fault`].
+    pub fn has_formula(&self) -> bool {
+        self.formula.is_some()
+    }
+
     /// Whether every node has a state: then [`PressedLaw::remembering`] gives the bounds their memory.
     pub fn has_memory(&self) -> bool {
         self.initial_state(&self.start, 0).is_some()

@@ -90,13 +90,17 @@ impl Formula {
         if self.points.len() == 1 { 0 } else { node }
     }
 
-    /// Value and slopes at a node; NaN where the value is negative or not finite.
+    /// Value and slopes at a node. Below zero the value is cut there, so that a solver may pass on its way to values that it can
+    /// accept ([`Formula::fault`]); NaN where it is not finite.
     pub fn at(&self, node: usize, rate: f64, slip: f64, pressure: f64) -> Said {
         let [x, y, z] = self.points[self.place(node)];
-        let (value, slopes) = self
-            .program
-            .derivatives([rate, slip, pressure, x, y, z].as_slice());
-        if value >= 0.0 && value.is_finite() {
+        let (value, slopes) = self.program.derivatives(&[rate, slip, pressure, x, y, z]);
+        if value < 0.0 {
+            Said {
+                value: 0.0,
+                slopes: [0.0; 3],
+            }
+        } else if value.is_finite() {
             Said { value, slopes }
         } else {
             Said {
@@ -104,6 +108,13 @@ impl Formula {
                 slopes: [f64::NAN; 3],
             }
         }
+    }
+
+    /// The value where it is none that friction can have: negative or not finite.
+    pub fn fault(&self, node: usize, rate: f64, slip: f64, pressure: f64) -> Option<f64> {
+        let [x, y, z] = self.points[self.place(node)];
+        let value = self.program.value(&[rate, slip, pressure, x, y, z]);
+        (!(value >= 0.0 && value.is_finite())).then_some(value)
     }
 
     /// What samples say of the curve of a node.

@@ -159,6 +159,11 @@ pub trait FrictionLaw: Sync {
     /// Bound, slope along the stage and potential at one node; the potential of a law without is NaN.
     fn evaluate(&self, at: &At) -> Evaluation;
 
+    /// The value where it is none that a solution may have; `None` where it is right, as in laws of numbers everywhere.
+    fn fault(&self, _at: &At) -> Option<f64> {
+        None
+    }
+
     /// Bound and slope of [`FrictionLaw::evaluate`], with less work where a law has a costly potential.
     fn value(&self, at: &At) -> Value {
         let all = self.evaluate(at);

@@ -133,6 +133,12 @@ impl Law {
             .unwrap_or_else(|| &self.role.coefficients()[coefficient - own.len()])
     }
 
+    /// Whether a coefficient bounds the friction of a node that nothing presses.
+    pub fn is_cohesion(&self, coefficient: usize) -> bool {
+        let is_of_role = coefficient >= self.kind.coefficients().len();
+        is_of_role && self.coefficient(coefficient).name == coulomb::DECLARED[0].name
+    }
+
     /// Unit of a coefficient.
     pub fn unit(&self, coefficient: usize) -> &'static str {
         self.coefficient(coefficient).unit.in_role(self.role)

@@ -58,16 +58,30 @@ impl<'a> PressedLaw<'a> {
     }
 }
 
-impl PressedBounds for PressedLaw<'_> {
-    fn evaluate(&self, node: usize, rate: f64, force: f64, slip: SlipPath) -> PressedBound {
-        let weight = self.weights[node];
+impl PressedLaw<'_> {
+    /// Pressure that bounds the friction of a node, and what [`pressing`] says of its normal force.
+    fn pressure(&self, node: usize, force: f64) -> (f64, [f64; 2]) {
         let tension = self.coulomb.is_some_and(|coulomb| coulomb.tension);
         let [pressing, sign] = pressing(force, tension);
         let pressure = if pressing > 0.0 {
-            pressing / weight
+            pressing / self.weights[node]
         } else {
             0.0
         };
+        (pressure, [pressing, sign])
+    }
+
+    /// The value of a formula at a node where it is none that a solution may have; see [`super::ChosenLaw::has_formula`].
+    pub fn fault(&self, node: usize, rate: f64, force: f64, slip: SlipPath) -> Option<f64> {
+        let (pressure, _) = self.pressure(node, force);
+        self.kind.fault(&self.at(node, rate, slip, pressure))
+    }
+}
+
+impl PressedBounds for PressedLaw<'_> {
+    fn evaluate(&self, node: usize, rate: f64, force: f64, slip: SlipPath) -> PressedBound {
+        let weight = self.weights[node];
+        let (pressure, [pressing, sign]) = self.pressure(node, force);
         let said = self.kind.value(&self.at(node, rate, slip, pressure));
         match &self.coulomb {
             Some(coulomb) => coulomb.bound(node, weight, [pressing, sign], said),

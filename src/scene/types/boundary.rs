@@ -1,21 +1,30 @@
 //! What acts on the body: contact and loads; and where it is observed.
 
-use super::Friction;
+use super::{Condition, Foundation, Friction};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Bilateral contact with a rigid foundation.
+/// Contact with a rigid foundation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Contact {
-    /// Name of the part in contact; not clamped, not loaded.
+    /// Name of the part in contact; not clamped, not driven, not loaded.
     pub part: String,
+    /// What holds between body and foundation along the normal. Default: `bilateral`.
+    #[serde(default, skip_serializing_if = "Condition::is_default")]
+    pub condition: Condition,
     /// Friction law.
     pub friction: Friction,
     /// First tangential direction (projected on the contact plane). Default: the direction in which x grows, or y
     /// where the contact is normal to x.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tangent: Option<Vec<f64>>,
+    /// How the foundation moves; each motion is an input of the component. Default: it is at rest.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub foundation: Vec<Foundation>,
+    /// Whether the pressure is an output, also where neither condition nor friction asks for it. Default: false.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub pressure: bool,
 }
 
 /// A load; its intensity is an input, its work-conjugate displacement and velocity are outputs.

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Time {
-    /// Scheme. Default: `trapezoid`.
+    /// Scheme. Default: `auto`.
     #[serde(default)]
     pub scheme: Scheme,
     /// Velocity at the start. Default: `consistent`.
@@ -31,8 +31,8 @@ pub struct Time {
     /// and the command; `continue` in an FMU, whose importers set inputs at the beginning of a step.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub inputs: Option<Inputs>,
-    /// Takes the explicit scheme `rectangle` beyond its stability limit, where a compilation otherwise refuses it: errors then
-    /// grow from step to step without bound. Default: false.
+    /// Takes a scheme that is otherwise refused: the explicit `rectangle` beyond its stability limit (errors then grow from step to
+    /// step without bound), the trapezoid where contact opens, closes or gives way (the pressure then rings). Default: false.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub force: bool,
 }
@@ -65,9 +65,16 @@ pub enum Inputs {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Scheme {
-    /// Trapezoidal quadrature of the history (3.2)-(3.4): second order; rings at very large steps.
+    /// `trapezoid` where contact is bilateral on a foundation that keeps its distance, `tr_bdf2` where it opens, closes or
+    /// gives way.
     #[default]
+    Auto,
+    /// Trapezoidal quadrature of the history (3.2)-(3.4): second order; rings at very large steps. Refused where contact opens,
+    /// closes or gives way, and where the foundation approaches: the pressure would ring from then on, undamped, whatever the step.
     Trapezoid,
+    /// Implicit midpoint rule: second order, the most accurate pressure of rigid contact while steps are below the fastest
+    /// relaxation time; alternates at larger ones. Unknowns are means over a step; values at its end take another solution.
+    Midpoint,
     /// Rectangle quadrature of the history (3.26): first order, explicit in the displacement, conditionally stable.
     Rectangle,
     /// Backward Euler: first order, L-stable.

@@ -28,6 +28,32 @@ pub struct Friction {
     pub coefficients: Vec<Given>,
 }
 
+impl Friction {
+    /// Whether it is Coulomb's law.
+    pub fn is_coulomb(&self) -> bool {
+        matches!(self.law.role(), Role::Coulomb { .. })
+    }
+
+    /// Whether it takes the solver with pressure: Coulomb's law, and laws whose bound has no potential.
+    pub fn needs_pressure(&self) -> bool {
+        self.is_coulomb() || !self.law.kind().has_potential()
+    }
+
+    /// Whether there is no friction where nothing presses.
+    pub fn vanishes_without_pressure(&self) -> bool {
+        if !self.is_coulomb() {
+            return self.coefficients.is_empty();
+        }
+        let of_cohesion = |i: &usize| self.law.is_cohesion(*i);
+        let mut all = (0..self.coefficients.len()).filter(of_cohesion);
+        all.all(|i| match &self.coefficients[i] {
+            Given::Number(value) => *value == 0.0,
+            Given::Nodes(values) => values.iter().all(|value| *value == 0.0),
+            _ => false,
+        })
+    }
+}
+
 impl JsonSchema for Friction {
     fn schema_name() -> Cow<'static, str> {
         "Friction".into()

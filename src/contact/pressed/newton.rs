@@ -1,0 +1,194 @@
+//! Newton's method on the normal map: steps in velocities and forces, projected onto the laws of the nodes.
+//!
+//! A step takes the factor kept from an earlier point while the nodes do what they did there. Where their laws have other slopes
+//! by now, it is taken as it is if it contracts well; otherwise the matrix is factored at the present point, and the step is
+//! halved until the imbalance decreases.
+
+use super::direction::Direction;
+use super::linearisation::{Difference, FactorCache, PressedPoint};
+use super::point::{Point, Slopes, raise_slopes, set_slopes};
+use super::problem::PressedProblem;
+use super::residual::{relative_imbalance, residual_beyond_rounding, worst_node};
+use crate::contact::problem::LARGEST_FLOOR;
+
+/// Halvings of a step before Newton's method gives up.
+const HALVINGS: usize = 8;
+/// Share of the predicted decrease of the imbalance that a step must make.
+const SUFFICIENT_DECREASE: f64 = 1e-4;
+/// A step with an older factor must leave at most this share of the imbalance.
+const CONTRACTION: f64 = 0.1;
+/// A step that leaves more than this share of the imbalance is slow.
+const SLOW: f64 = 0.5;
+
+/// The point of the iteration and all that a step needs.
+pub(super) struct Newton {
+    pub accepted: Point,
+    pub trial: Point,
+    pub slopes: Slopes,
+    pub direction: Direction,
+    pub cache: FactorCache,
+    /// Steps taken so far.
+    pub steps: u64,
+}
+
+/// How a descent ended.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Outcome {
+    /// The residual is within the tolerance.
+    Converged(f64),
+    /// It is as small as rounding allows; the residual that is left.
+    AtRounding(f64),
+    /// No step decreases the imbalance, or many did not suffice.
+    Stalled,
+    /// All iterations are used up.
+    Exhausted,
+}
+
+impl Outcome {
+    pub fn is_solution(self) -> bool {
+        matches!(self, Outcome::Converged(_) | Outcome::AtRounding(_))
+    }
+}
+
+/// Iterations that are left to a solve.
+pub(super) struct Budget {
+    pub left: usize,
+}
+
+impl Budget {
+    /// Takes one, if there is one.
+    pub fn take(&mut self) -> bool {
+        let is_left = !self.is_used_up();
+        self.left -= usize::from(is_left);
+        is_left
+    }
+
+    pub fn is_used_up(&self) -> bool {
+        self.left == 0
+    }
+}
+
+impl Newton {
+    pub fn new(nodes: usize, components: usize) -> Newton {
+        let len = nodes * (components + 1);
+        Newton {
+            accepted: Point::new(nodes, len),
+            trial: Point::new(nodes, len),
+            slopes: vec![[0.0; 2]; nodes],
+            direction: Direction::new(len),
+            cache: FactorCache::new(nodes, components),
+            steps: 0,
+        }
+    }
+
+    /// Starts from velocities and forces.
+    pub fn start(&mut self, problem: &PressedProblem, velocity: &[f64], force: &[f64]) {
+        self.accepted.v.copy_from_slice(velocity);
+        self.accepted.f.copy_from_slice(force);
+        set_slopes(problem, force, &mut self.slopes);
+        self.accepted.project(problem, &self.slopes);
+    }
+
+    /// Steps until the problem is solved, no step helps or `most` have been taken.
+    pub fn descend(
+        &mut self,
+        problem: &PressedProblem,
+        tolerance: f64,
+        most: usize,
+        budget: &mut Budget,
+        at: &mut PressedPoint,
+    ) -> Outcome {
+        let mut is_slow = true;
+        for step in 0.. {
+            let residual = worst_node(problem, &self.accepted).0;
+            if residual <= tolerance {
+                return Outcome::Converged(residual);
+            }
+            if is_slow && let Some(left) = self.at_rounding(problem, tolerance) {
+                return Outcome::AtRounding(left);
+            }
+            if step >= most {
+                break;
+            }
+            if !budget.take() {
+                return Outcome::Exhausted;
+            }
+            self.steps += 1;
+            let before = self.accepted.merit;
+            if !self.step(problem, at) {
+                return match self.at_rounding(problem, tolerance) {
+                    Some(left) => Outcome::AtRounding(left),
+                    None => Outcome::Stalled,
+                };
+            }
+            is_slow = self.accepted.merit > SLOW * before;
+            raise_slopes(problem, &self.accepted.f, &mut self.slopes);
+        }
+        Outcome::Stalled
+    }
+
+    fn at_rounding(&self, problem: &PressedProblem, tolerance: f64) -> Option<f64> {
+        let is_small = relative_imbalance(problem, &self.accepted) <= LARGEST_FLOOR;
+        is_small
+            .then(|| residual_beyond_rounding(problem, &self.accepted, tolerance))
+            .flatten()
+    }
+
+    /// One step; false when none decreases the imbalance, or the matrix is singular.
+    fn step(&mut self, problem: &PressedProblem, at: &mut PressedPoint) -> bool {
+        let difference = at.compare(problem.components, &self.accepted.nodes);
+        if difference == Difference::Slopes && self.find(problem, at) {
+            self.advance(problem, 1.0);
+            if self.trial.merit <= CONTRACTION * self.accepted.merit {
+                std::mem::swap(&mut self.accepted, &mut self.trial);
+                return true;
+            }
+        }
+        if difference != Difference::None {
+            at.set(problem.components, &self.accepted.nodes);
+        }
+        if !self.find(problem, at) {
+            return false;
+        }
+        let mut length = 1.0;
+        for _ in 0..=HALVINGS {
+            self.advance(problem, length);
+            let most = (1.0 - SUFFICIENT_DECREASE * length) * self.accepted.merit;
+            // not a number is no decrease
+            if self.trial.merit <= most {
+                std::mem::swap(&mut self.accepted, &mut self.trial);
+                return true;
+            }
+            length *= 0.5;
+        }
+        false
+    }
+
+    /// The step with the factor at a point; false where that is singular.
+    fn find(&mut self, problem: &PressedProblem, at: &PressedPoint) -> bool {
+        let Some(factor) = self.cache.at(problem, at) else {
+            return false;
+        };
+        self.direction.find(problem, &self.accepted, factor);
+        true
+    }
+
+    /// The trial point at `length` steps.
+    fn advance(&mut self, problem: &PressedProblem, length: f64) {
+        let Newton {
+            accepted,
+            trial,
+            direction,
+            ..
+        } = self;
+        let velocities = trial.v.iter_mut().zip(&accepted.v).zip(&direction.dv);
+        for ((new, old), change) in velocities {
+            *new = old + length * change;
+        }
+        let forces = trial.f.iter_mut().zip(&accepted.f).zip(&direction.df);
+        for ((new, old), change) in forces {
+            *new = old + length * change;
+        }
+        trial.project(problem, &self.slopes);
+    }
+}

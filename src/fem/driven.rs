@@ -1,0 +1,352 @@
+//! Driven parts: which components they hold, and how their motion enters the equations of the free ones.
+//!
+//! The displacement of a body whose parts move by given amounts `d` is split, `u = u~ + L d`: `L` is the static shape of a unit of
+//! each motion with the contact free, `L = -B_ff^-1 B_fd` on the free components and the motion itself on the driven ones. Then
+//! B drops out, and a motion enters as a column like a load, whose intensity is its velocity `v = d'`:
+//!
+//! ```text
+//! A u~' + B u~ + E Lambda = F f + G v,   G = -(A_ff L + A_fd)
+//! ```
+//!
+//! `G` vanishes where the motions move the body as a whole. Forces of the motions, their share of the energies and what loads and
+//! probes see of them follow from `G` and a few small matrices. Nothing else of the body is needed.
+
+use super::cell::Cell;
+use super::dofs::{DofMap, direction};
+use super::operators::OperatorPair;
+use crate::error::Result;
+use crate::linalg::SparseCholesky;
+use crate::material::Form;
+use crate::mesh::Mesh;
+use crate::message::cut;
+use crate::refusal::scene_error;
+use crate::scene::{DrivenDirection, RotationAxis, Scene};
+use faer::ColMut;
+use nalgebra::Vector3;
+use std::collections::BTreeMap;
+
+/// Share of the diagonal of A below which an entry of `G` is rounding.
+const ROUNDING: f64 = 1e-11;
+
+/// What is held of a node.
+pub(super) enum Held {
+    Whole,
+    /// Number of free directions, and the frame, those first.
+    Partly(usize, [[f64; 3]; 3]),
+}
+
+/// One motion of a driven part.
+pub(super) struct Motion<'a> {
+    pub name: &'a str,
+    part: &'a str,
+    path: String,
+    shape: Shape,
+}
+
+enum Shape {
+    Translation(Vector3<f64>),
+    Rotation {
+        centre: Vector3<f64>,
+        axis: Vector3<f64>,
+    },
+}
+
+impl Motion<'_> {
+    /// Displacement of a point by a unit of the motion.
+    fn at(&self, point: [f64; 3]) -> Vector3<f64> {
+        match &self.shape {
+            Shape::Translation(along) => *along,
+            Shape::Rotation { centre, axis } => axis.cross(&(Vector3::from(point) - centre)),
+        }
+    }
+}
+
+/// Centre and unit axis of a rotation; in 2D the axis is z.
+pub(super) fn axis_of(
+    given: (&[f64], Option<&[f64]>),
+    path: &str,
+) -> Result<(Vector3<f64>, Vector3<f64>)> {
+    let (centre, axis) = given;
+    let component = |i: usize| centre.get(i).copied().unwrap_or(0.0);
+    let axis = match axis {
+        Some(values) => direction(values, &format!("{path}.axis"))?,
+        None => Vector3::z(),
+    };
+    Ok((Vector3::new(component(0), component(1), component(2)), axis))
+}
+
+/// The motions of a scene, in the order of its inputs.
+pub(super) fn motions(scene: &Scene) -> Result<Vec<Motion<'_>>> {
+    let mut motions = Vec::new();
+    for (i, driven) in scene.driven.iter().enumerate() {
+        for (name, given) in &driven.directions {
+            let path = format!("driven[{i}].directions.{name}");
+            let shape = match given {
+                DrivenDirection::Translation(values) => {
+                    Shape::Translation(direction(values, &path)?)
+                }
+                DrivenDirection::Rotation(RotationAxis { centre, axis }) => {
+                    let (centre, axis) = axis_of((centre, axis.as_deref()), &path)?;
+                    Shape::Rotation { centre, axis }
+                }
+            };
+            let (part, name) = (driven.part.as_str(), name.as_str());
+            motions.push(Motion {
+                name,
+                part,
+                path,
+                shape,
+            });
+        }
+    }
+    Ok(motions)
+}
+
+/// The nodes of driven parts, ascending, and what is held of them. `is_clamped`, by nodes, is those that are held anyway.
+///
+/// # Errors
+/// [`crate::Error::Scene`] for an unknown part and for nodes that belong to two parts.
+pub(super) fn held_nodes(
+    scene: &Scene,
+    mesh: &Mesh,
+    is_clamped: &[bool],
+) -> Result<Vec<(u32, Held)>> {
+    let mut owners: BTreeMap<u32, usize> = BTreeMap::new();
+    for (i, driven) in scene.driven.iter().enumerate() {
+        let path = format!("driven[{i}].part");
+        for node in mesh.faces(&driven.part, &path)?.flatten() {
+            let node = mesh.leader[*node as usize];
+            let other = owners.insert(node, i).filter(|other| *other != i);
+            if other.is_some() || is_clamped[node as usize] {
+                let at = mesh.nodes[node as usize];
+                let found = format!(
+                    "{:?}, which shares the node at {at:?} with a clamped or another driven part",
+                    cut(&driven.part)
+                );
+                let allowed = "a part of which no node belongs to another one".to_owned();
+                return Err(scene_error(&path, found, allowed));
+            }
+        }
+    }
+    let motions = motions(scene)?;
+    let mut held = Vec::with_capacity(scene.driven.len());
+    for driven in &scene.driven {
+        let of_part = motions.iter().filter(|m| m.part == driven.part);
+        let shapes: Vec<&Shape> = of_part.map(|m| &m.shape).collect();
+        let translations: Vec<Vector3<f64>> = shapes
+            .iter()
+            .filter_map(|shape| match shape {
+                Shape::Translation(along) => Some(*along),
+                Shape::Rotation { .. } => None,
+            })
+            .collect();
+        let is_whole = translations.len() < shapes.len() || translations.len() >= mesh.dimension;
+        held.push((!is_whole).then(|| complement(&translations, mesh.dimension)));
+    }
+    let of = |(node, part): (u32, usize)| match &held[part] {
+        None => (node, Held::Whole),
+        Some((free, frame)) => (node, Held::Partly(*free, *frame)),
+    };
+    Ok(owners.into_iter().map(of).collect())
+}
+
+/// Orthonormal directions, those at right angles to the given orthonormal ones first; and how many these are.
+fn complement(held: &[Vector3<f64>], dimension: usize) -> (usize, [[f64; 3]; 3]) {
+    let mut basis: Vec<Vector3<f64>> = held.to_vec();
+    for axis in [Vector3::x(), Vector3::y(), Vector3::z()]
+        .iter()
+        .take(dimension)
+    {
+        let rest = basis.iter().fold(*axis, |rest, b| rest - b * b.dot(&rest));
+        // of the axes some have at least this much outside any proper subspace
+        if basis.len() < dimension && rest.norm() > 0.5 {
+            basis.push(rest.normalize());
+        }
+    }
+    basis.rotate_left(held.len());
+    let mut frame = [[0.0; 3]; 3];
+    for (to, from) in frame.iter_mut().zip(&basis) {
+        *to = (*from).into();
+    }
+    (dimension - held.len(), frame)
+}
+
+/// How the motions of driven parts enter.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Drives {
+    /// Names of the inputs.
+    pub names: Vec<String>,
+    /// `G`: per motion the free components (ascending) and values, N s/m; empty where the motion moves the body as a whole.
+    pub columns: Vec<Vec<(usize, f64)>>,
+    /// Contact velocities by a unit velocity of a motion, at fixed `u~`: per motion one value per contact component.
+    pub on_contact: Vec<Vec<f64>>,
+    /// What loads see: per motion one value per load.
+    pub on_loads: Vec<Vec<f64>>,
+    /// What probes see: per motion one value per probe and axis.
+    pub on_probes: Vec<Vec<f64>>,
+    /// `[L; I]^T A [L; I]` and `[L; I]^T B [L; I]`, motions by motions, row by row.
+    pub viscosity: Vec<f64>,
+    pub elasticity: Vec<f64>,
+    /// Fields `L` on the free components.
+    pub shapes: Vec<Vec<f64>>,
+    /// The motions at all nodes of driven parts: node and displacement by a unit.
+    pub fields: Vec<Vec<(u32, [f64; 3])>>,
+}
+
+/// Nodal shares of loads and rows of probes on all nodes, held ones too: per load or row pairs of node and vector.
+pub(super) type NodalRows = Vec<Vec<(u32, Vector3<f64>)>>;
+
+impl Drives {
+    /// # Errors
+    /// [`crate::Error::NotPositiveDefinite`] when the body is not held with its contact free.
+    pub(super) fn new(
+        scene: &Scene,
+        mesh: &Mesh,
+        dofs: &DofMap,
+        forms: &[[Form; 2]],
+        operators: &OperatorPair,
+        places: &[[f64; 3]],
+        (loads, probes): (&NodalRows, &NodalRows),
+    ) -> Result<Drives> {
+        let mut drives = Drives::default();
+        let motions = motions(scene)?;
+        if motions.is_empty() {
+            return Ok(drives);
+        }
+        let cholesky = SparseCholesky::new(&operators.col_ptr, &operators.row_idx, places)?;
+        let (mut factor, mut memory) = (vec![0.0; cholesky.len()], cholesky.scratch(1));
+        let what = "the elasticity with the contact free (is the body clamped or driven so that it is held?)";
+        cholesky.factor(what, &operators.b, &mut factor, &mut memory)?;
+        // whole fields [L; I], and A and B times them
+        let mut whole: Vec<Vec<Vector3<f64>>> = Vec::new();
+        let mut images: Vec<[Vec<Vector3<f64>>; 2]> = Vec::new();
+        for motion in &motions {
+            let mut field = vec![Vector3::zeros(); mesh.nodes.len()];
+            let mut given = Vec::new();
+            for &node in mesh.faces(motion.part, &motion.path)?.flatten() {
+                let by = motion.at(mesh.nodes[node as usize]);
+                field[node as usize] = by;
+                given.push((node, by.into()));
+            }
+            given.sort_by_key(|(node, _)| *node);
+            given.dedup_by_key(|(node, _)| *node);
+            let [_, forces] = apply(mesh, forms, &field);
+            let mut shape = project(mesh, dofs, &forces);
+            shape.iter_mut().for_each(|value| *value = -*value);
+            cholesky.solve(
+                &factor,
+                ColMut::from_slice_mut(&mut shape).as_mat_mut(),
+                &mut memory,
+            );
+            for node in 0..mesh.nodes.len() as u32 {
+                field[node as usize] += Vector3::from(dofs.vector(node, &shape));
+            }
+            let both = apply(mesh, forms, &field);
+            let column = project(mesh, dofs, &both[0]);
+            let size = |dof: usize| operators.a[operators.col_ptr[dof]] * largest(&field);
+            drives.columns.push(
+                column
+                    .iter()
+                    .enumerate()
+                    .filter(|(dof, value)| value.abs() > ROUNDING * size(*dof))
+                    .map(|(dof, value)| (dof, -value))
+                    .collect(),
+            );
+            drives.names.push(motion.name.to_owned());
+            drives
+                .on_contact
+                .push(shape[dofs.contact_start()..].to_vec());
+            let seen = |rows: &NodalRows| -> Vec<f64> {
+                let of = |row: &Vec<(u32, Vector3<f64>)>| {
+                    row.iter().map(|(n, v)| v.dot(&field[*n as usize])).sum()
+                };
+                rows.iter().map(of).collect()
+            };
+            drives.on_loads.push(seen(loads));
+            drives.on_probes.push(seen(probes));
+            drives.shapes.push(shape);
+            drives.fields.push(given);
+            whole.push(field);
+            images.push(both);
+        }
+        // a motion of the body as a whole leaves rounding, which would count as a force
+        let most = |diagonal: &[f64]| {
+            let entries = operators.col_ptr[..operators.n].iter();
+            entries.fold(0.0_f64, |most, at| most.max(diagonal[*at]))
+        };
+        let (of_a, of_b) = (most(&operators.a), most(&operators.b));
+        let length = |field: &[Vector3<f64>]| -> f64 {
+            let squares = field.iter().map(|v| v.norm_squared());
+            squares.sum::<f64>().sqrt()
+        };
+        for row in &whole {
+            for ([a, b], column) in images.iter().zip(&whole) {
+                let product = |image: &[Vector3<f64>], size: f64| -> f64 {
+                    let sum: f64 = row.iter().zip(image).map(|(x, y)| x.dot(y)).sum();
+                    let rounding = ROUNDING * size * length(row) * length(column);
+                    if sum.abs() > rounding { sum } else { 0.0 }
+                };
+                drives.viscosity.push(product(a, of_a));
+                drives.elasticity.push(product(b, of_b));
+            }
+        }
+        Ok(drives)
+    }
+
+    /// Number of motions.
+    pub fn len(&self) -> usize {
+        self.names.len()
+    }
+
+    /// Whether nothing is driven.
+    pub fn is_empty(&self) -> bool {
+        self.names.is_empty()
+    }
+
+    /// The columns that are not zero, in the order of the motions.
+    pub fn force_columns(&self) -> impl Iterator<Item = &Vec<(usize, f64)>> {
+        self.columns.iter().filter(|column| !column.is_empty())
+    }
+}
+
+fn largest(field: &[Vector3<f64>]) -> f64 {
+    field.iter().fold(0.0, |most, v| v.amax().max(most))
+}
+
+/// Forces of A and B at all nodes (global axes; a follower's are those of its leader) for vectors at all nodes.
+fn apply(mesh: &Mesh, forms: &[[Form; 2]], field: &[Vector3<f64>]) -> [Vec<Vector3<f64>>; 2] {
+    let mut sums = [
+        vec![Vector3::zeros(); field.len()],
+        vec![Vector3::zeros(); field.len()],
+    ];
+    for (cell, nodes) in mesh.cells().enumerate() {
+        if nodes.iter().all(|n| field[*n as usize] == Vector3::zeros()) {
+            continue;
+        }
+        let shapes = Cell::new(mesh, nodes);
+        let forms = forms[mesh.cell_regions[cell] as usize];
+        for (a, row) in nodes.iter().enumerate() {
+            for (b, column) in nodes.iter().enumerate() {
+                let blocks = shapes.blocks(a, b, forms);
+                for (sum, block) in sums.iter_mut().zip(blocks) {
+                    sum[mesh.leader[*row as usize] as usize] += block * field[*column as usize];
+                }
+            }
+        }
+    }
+    sums
+}
+
+/// Components of nodal forces along the free directions.
+fn project(mesh: &Mesh, dofs: &DofMap, forces: &[Vector3<f64>]) -> Vec<f64> {
+    let mut out = vec![0.0; dofs.len()];
+    for (node, leader) in mesh.leader.iter().enumerate() {
+        if *leader as usize != node {
+            continue;
+        }
+        for (dof, axis) in dofs.range(*leader).zip(dofs.frame(*leader)) {
+            out[dof] += Vector3::from(*axis).dot(&forces[node]);
+        }
+    }
+    out
+}

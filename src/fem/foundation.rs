@@ -1,0 +1,110 @@
+//! How the motions of the foundation are seen at the contact nodes, and the gap of the undeformed body.
+
+use super::body::ContactPatch;
+use super::dofs::direction;
+use super::driven::axis_of;
+use crate::error::Result;
+use crate::mesh::Mesh;
+use crate::message::{cut, number};
+use crate::refusal::scene_error;
+use crate::scene::{Foundation, Gap, Scene};
+use nalgebra::Vector3;
+
+/// Largest share of a motion of the foundation that is normal to its surface at a contact node: facets of a curved surface have
+/// that much, a motion that leaves its surface more.
+const MOST_NORMAL: f64 = 0.5;
+
+/// Velocities of the foundation at the contact components by a unit of each motion: per motion one value per component. A motion
+/// that approaches has 1 along the normals.
+pub(super) fn motions(scene: &Scene, contact: &ContactPatch) -> Result<Vec<Vec<f64>>> {
+    let mut columns = Vec::new();
+    for (i, motion) in scene.contact.foundation.iter().enumerate() {
+        let path = format!("contact.foundation[{i}]");
+        let velocity: Box<dyn Fn(Vector3<f64>) -> Vector3<f64>> = match motion {
+            Foundation::Sliding { direction: d, .. } => {
+                let along = direction(d, &format!("{path}.direction"))?;
+                Box::new(move |_| along)
+            }
+            Foundation::Rotation { centre, axis, .. } => {
+                let (centre, axis) = axis_of((centre, axis.as_deref()), &path)?;
+                Box::new(move |point| axis.cross(&(point - centre)))
+            }
+            Foundation::Approach { .. } => {
+                let stride = contact.stride();
+                let is_normal = |i: usize| f64::from(u8::from(i % stride == contact.components));
+                columns.push((0..contact.force_len()).map(is_normal).collect());
+                continue;
+            }
+        };
+        let mut column = vec![0.0; contact.force_len()];
+        for node in 0..contact.node_count() {
+            let at = velocity(Vector3::from(contact.points[node]));
+            let normal = Vector3::from(contact.normals[node]);
+            if at.dot(&normal).abs() > MOST_NORMAL * at.norm() {
+                let found = format!("a motion out of the contact at {:?}", contact.points[node]);
+                let allowed = "a motion of the foundation in its own surface".to_owned();
+                return Err(scene_error(&path, found, allowed));
+            }
+            for (c, tangent) in contact.tangents[node][..contact.components]
+                .iter()
+                .enumerate()
+            {
+                column[node * contact.stride() + c] = at.dot(&Vector3::from(*tangent));
+            }
+        }
+        columns.push(column);
+    }
+    Ok(columns)
+}
+
+/// Gap of the undeformed body at every contact node, m; empty where contact is bilateral.
+pub(super) fn initial_gap(scene: &Scene, mesh: &Mesh, contact: &ContactPatch) -> Result<Vec<f64>> {
+    let count = contact.node_count();
+    let Some(gap) = scene.contact.condition.gap() else {
+        return Ok(Vec::new());
+    };
+    let path = "contact.condition.gap";
+    let gaps = match gap {
+        Gap::Uniform(value) => vec![*value; count],
+        Gap::Nodal(given) if given.nodes.len() == count => given.nodes.clone(),
+        Gap::Nodal(given) => {
+            let found = format!("{} numbers", given.nodes.len());
+            let allowed = format!("one number per contact node: {count}");
+            return Err(scene_error(&format!("{path}.nodes"), found, allowed));
+        }
+        Gap::Shape(_) => {
+            // weighted by the areas of the faces, as the nodal normals are
+            let sum = |sum: Vector3<f64>, i: usize| {
+                sum + Vector3::from(contact.normals[i]) * contact.weights[i]
+            };
+            let mean = (0..count).fold(Vector3::zeros(), sum);
+            let Some(up) = mean.try_normalize(1e-3 * contact.weights.iter().sum::<f64>()) else {
+                let found = "\"geometry\" on a contact part without a mean normal";
+                let allowed = "a number, or one per contact node".to_owned();
+                return Err(scene_error(path, found.to_owned(), allowed));
+            };
+            let part = cut(&scene.contact.part).to_string();
+            let faces = mesh.faces(&part, "contact.part")?.flatten();
+            let height = |node: u32| up.dot(&Vector3::from(mesh.nodes[node as usize]));
+            let lowest = faces.map(|n| height(*n)).fold(f64::INFINITY, f64::min);
+            contact.nodes.iter().map(|n| height(*n) - lowest).collect()
+        }
+    };
+    check(scene, gaps)
+}
+
+/// With rigid contact nothing can begin inside the foundation.
+fn check(scene: &Scene, gaps: Vec<f64>) -> Result<Vec<f64>> {
+    let may_penetrate = matches!(
+        scene.contact.condition,
+        crate::scene::Condition::Compliance { .. }
+    );
+    match gaps.iter().position(|gap| *gap < 0.0 && !may_penetrate) {
+        None => Ok(gaps),
+        Some(node) => Err(scene_error(
+            "contact.condition.gap",
+            format!("{} at contact node {node}", number(gaps[node])),
+            "a gap >= 0: a rigid foundation lets nothing in".to_owned(),
+        )),
+    }
+}

@@ -1,0 +1,88 @@
+//! The normal condition of the contact.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// What holds between body and foundation along the normal.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+pub enum Condition {
+    /// The body stays on the foundation, which can pull.
+    #[default]
+    Bilateral,
+    /// The body can open: either the gap is zero and the pressure not negative, or the gap is positive and the pressure zero.
+    Unilateral {
+        /// Gap of the undeformed body, m. Default: 0.
+        #[serde(default)]
+        gap: Gap,
+    },
+    /// The foundation gives way: the pressure is `stiffness` times the penetration (a negative gap) to the power of
+    /// `exponent`, and zero where the gap is positive.
+    Compliance {
+        /// Pressure of a penetration of 1 m, Pa/m^exponent.
+        #[schemars(extend("exclusiveMinimum" = 0))]
+        stiffness: f64,
+        /// Exponent, at least 1. Default: 1.
+        #[schemars(range(min = 1, max = 100))]
+        #[serde(default = "one")]
+        exponent: f64,
+        /// Gap of the undeformed body, m. Default: 0.
+        #[serde(default)]
+        gap: Gap,
+    },
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+impl Condition {
+    /// Whether it is the one of a scene that says nothing.
+    pub(crate) fn is_default(&self) -> bool {
+        *self == Condition::Bilateral
+    }
+
+    /// The gap of the undeformed body, where contact can open.
+    pub fn gap(&self) -> Option<&Gap> {
+        match self {
+            Condition::Bilateral => None,
+            Condition::Unilateral { gap } | Condition::Compliance { gap, .. } => Some(gap),
+        }
+    }
+}
+
+/// Gap of the undeformed body.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Gap {
+    /// The same at all contact nodes, m.
+    Uniform(f64),
+    /// Node by node.
+    Nodal(NodalGap),
+    /// That of the shape of the body.
+    Shape(GapShape),
+}
+
+impl Default for Gap {
+    fn default() -> Self {
+        Gap::Uniform(0.0)
+    }
+}
+
+/// A gap node by node.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NodalGap {
+    /// One number per contact node, m.
+    #[schemars(length(min = 1))]
+    pub nodes: Vec<f64>,
+}
+
+/// A gap that follows from the shape of the body.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum GapShape {
+    /// The distance to the plane on which the undeformed body rests: normal to the mean normal of the contact part, through its
+    /// outermost node.
+    Geometry,
+}
