@@ -30,7 +30,7 @@ fn column(scheme: &str, model: &str, k: f64, gap: f64, rise: Value) -> Value {
 /// that relaxes.
 #[test]
 fn column_closes_and_lifts_off() {
-    let (gap, up, down) = (0.01, 0.1, 0.08);
+    let (gap, up, down) = (0.01, 0.1, 0.09);
     // rises to 0.1 in one second, then falls
     let rise = json!([[0.0, 0.0], [1.0, up], [2.0, up - down]]);
     let off = 1.0 + (up - gap - VISCOSITY * down / YOUNG) / down;

@@ -30,13 +30,19 @@ fn text(kind: &str, model: &str, scheme: &str, input: &str) -> Value {
     if kind != "bound" {
         foundation.push(json!({"kind": "approach", "name": "rise"}));
     }
-    // two parts that move apart strain the body: columns of their own
+    // two parts that move apart strain the body: columns of their own; a part that is driven along one direction is free otherwise
+    let driven = match kind {
+        "bound" => json!([{"part": "top", "input": input, "directions": {"left_x": [3, 0]}}]),
+        _ => json!([
+            {"part": "left", "input": input, "directions": {"left_x": [1, 0], "left_y": [0, 1]}},
+            {"part": "right", "input": input, "directions": {"right_x": [-2, 0], "turn": {"centre": [1.0, 0.5]}}},
+        ]),
+    };
     json!({"schema_version": 1, "name": kind,
         "mesh": {"kind": "rectangle", "size": [1.0, 0.5], "cells": [8, 4]},
         "material": {"viscosity": {"law": "isotropic", "mu1": 0.05, "mu2": 0.1},
                      "elasticity": {"law": "isotropic", "young": 1.0, "poisson": 0.3, "convention": "plane_strain"}},
-        "driven": [{"part": "left", "input": input, "directions": {"left_x": [1, 0], "left_y": [0, 1]}},
-                   {"part": "right", "input": input, "directions": {"right_x": [-2, 0]}}],
+        "driven": driven,
         "contact": {"part": "bottom", "condition": condition, "friction": friction, "foundation": foundation},
         "loads": [{"name": "press", "kind": "traction", "part": "top", "direction": [0, -1]}],
         "probes": [{"name": "middle", "at": [0.5, 0.25]}],
@@ -58,6 +64,7 @@ fn inputs_at(model: &Model, t: f64) -> Vec<f64> {
             "left_x" => 0.04 * (5.0 * t).sin(),
             "left_y" => -0.02 * (2.0 * t).sin(),
             "right_x" => 0.03 * (3.0 * t).sin(),
+            "turn" => 0.05 * (2.0 * t).sin(),
             other => panic!("{other}"),
         })
         .collect()
@@ -112,10 +119,11 @@ fn power_balance_is_closed() {
                 let sim = run(&scene, 40);
                 value(&sim, "energy.balance_error") / value(&sim, "energy.external_work")
             };
-            let errors = [0.02, 0.005, 0.00125].map(balance);
+            let errors = [0.02, 0.005, 0.00125, 0.0003125].map(balance);
+            // nodes that close lose energy by the step
             assert!(errors[0].abs() < 0.05, "{kind} {model}: {errors:?}");
             assert!(
-                errors[2].abs() < 0.35 * errors[0].abs(),
+                errors[3].abs() < 0.1 * errors[0].abs(),
                 "{kind} {model}: {errors:?}"
             );
         }
@@ -132,7 +140,7 @@ fn displacements_are_reached_at_the_end_of_every_step() {
     let model = sim.model().clone();
     let expected = inputs_at(&model, 0.6);
     let ports = model.ports().all();
-    for name in ["left_x", "left_y", "right_x"] {
+    for name in ["left_x", "left_y", "right_x", "turn"] {
         let at = ports.iter().position(|p| p.name == name).unwrap();
         let found = value(&sim, &format!("{name}.displacement"));
         assert!(
@@ -239,9 +247,10 @@ fn compare_derivatives(kind: &str, scheme: &str, model: &str, input: &str) -> us
     sim.adjoint_derivative(&weights, &mut adjoint).unwrap();
     for (row, found) in rows.iter().zip(&adjoint) {
         let expected: f64 = row.iter().zip(&weights).map(|(a, b)| a * b).sum();
+        let size: f64 = row.iter().zip(&weights).map(|(a, b)| (a * b).abs()).sum();
         assert!(
-            (found - expected).abs() < 1e-9 * expected.abs().max(1.0),
-            "{label}"
+            (found - expected).abs() < 1e-11 * size,
+            "{label}: {found} {expected}"
         );
     }
     compared
@@ -301,7 +310,7 @@ fn signals_are_followed_within_steps() {
     let end = |step: f64| {
         let mut text = text("unilateral", "condensed", "tr_bdf2", "velocity");
         text["run"] = json!({"until": 0.4, "step": step, "signals": {
-            "press": 0.3, "disc": [[0, 0], [0.1, 0.3], [0.33, -0.2]], "rise": [[0, 0], [0.25, 0.004], [1, 0.0]]}});
+            "press": 0.3, "left_y": [[0, 0], [0.15, -0.02], [1, 0]], "disc": [[0, 0], [0.1, 0.3], [0.33, -0.2]], "rise": [[0, 0], [0.25, 0.004], [1, 0.0]]}});
         let scene = scene(&text);
         let mut sim = Simulator::new(compile(&scene).unwrap());
         let mut drive = Drive::start(&scene, &mut sim).unwrap();

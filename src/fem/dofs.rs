@@ -234,6 +234,11 @@ impl DofMap {
         }
     }
 
+    /// Whether the frame of a node is not that of the global axes.
+    pub(super) fn is_turned(&self, node: u32) -> bool {
+        self.contact_index(node).is_some() || self.partly(node).is_some()
+    }
+
     /// Free components of a contact node.
     pub fn contact_components(&self) -> usize {
         self.contact_components

@@ -190,8 +190,7 @@ impl OperatorPair {
 impl Coupling {
     /// Turns the blocks from global axes into the frames of the two nodes.
     fn turn(&mut self, dofs: &DofMap, column: u32) {
-        let is_turned = |node| dofs.contact_index(node).is_some();
-        if !is_turned(self.node) && !is_turned(column) {
+        if !dofs.is_turned(self.node) && !dofs.is_turned(column) {
             return;
         }
         // A frame lists its directions: as a matrix by rows it takes global components to local ones.

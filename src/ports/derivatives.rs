@@ -7,6 +7,8 @@ use super::Quantity;
 pub(crate) enum Tangent {
     /// The quantity is linear in the state: what is read from the derivative of the state.
     Linear,
+    /// The same but for the gap of the undeformed body, which does not change.
+    Gap,
     /// Counts, indicators and figures of the solver: 0.
     Zero,
     /// That of the largest slip rate, at the node where it is.
@@ -30,15 +32,14 @@ impl Quantity {
         use Quantity::*;
         match self {
             Input(_) | TangentialStress | SlipRate | Slip | AccumulatedSlip | ContactForce
-            | Pressure | Gap | NormalForce | FrictionState | MeanTangentialStress
-            | MeanSlipRate | MeanPressure | LoadDisplacement(_) | LoadVelocity(_)
-            | ProbeDisplacement(_) | ProbeVelocity(_) | DriveDisplacement(_) | DriveVelocity(_)
-            | DriveForce(_) | FoundationForce(_) | ExternalWork | ElasticEnergy
-            | ViscousDissipation | FrictionDissipation | BalanceError | Coefficient(_) => {
-                Tangent::Linear
-            }
+            | Pressure | NormalForce | FrictionState | MeanTangentialStress | MeanSlipRate
+            | MeanPressure | LoadDisplacement(_) | LoadVelocity(_) | ProbeDisplacement(_)
+            | ProbeVelocity(_) | DriveDisplacement(_) | DriveVelocity(_) | DriveForce(_)
+            | FoundationForce(_) | ExternalWork | ElasticEnergy | ViscousDissipation
+            | FrictionDissipation | BalanceError | Coefficient(_) => Tangent::Linear,
             Stick | Status | StickFraction | OpenFraction | Iterations | Residual | Solutions
             | SolutionGap | ErrorEstimate | LostDigits => Tangent::Zero,
+            Gap => Tangent::Gap,
             MaxSlipRate => Tangent::LargestRate,
         }
     }

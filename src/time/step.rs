@@ -92,6 +92,7 @@ fn apply_jumps(model: &Model, state: &mut State, ws: &mut Workspace, h: f64) -> 
     state.loads.copy_from_slice(&ws.course.start);
     let is_settled = state.needs_settling == 0 && !has_jump;
     state.needs_settling = 0;
+    ws.has_settled = !is_settled;
     if !is_settled && (model.tableau().uses_start_velocity() || model.tolerance().is_some()) {
         let approach = |inputs: &[f64]| model.motions().approach(inputs);
         let rate = (approach(&ws.course.end) - approach(&ws.course.start)) / h;

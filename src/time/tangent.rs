@@ -113,6 +113,7 @@ impl Simulator {
             tangents.settle(model, state, ws, approach)?;
             for t in &mut tangents.list {
                 t.velocities[0].store_into(&mut t.state);
+                t.state.loads.copy_from_slice(&t.load);
             }
             Ok(())
         })?;
@@ -149,6 +150,11 @@ impl Simulator {
             rest = tail;
             match port.quantity.tangent() {
                 PortTangent::Linear => readout::read(self.model(), tangent, port, head),
+                PortTangent::Gap => {
+                    readout::read(self.model(), tangent, port, head);
+                    let gaps = &self.model().contact().gaps;
+                    head.iter_mut().zip(gaps).for_each(|(d, gap)| *d -= gap);
+                }
                 PortTangent::Zero => head.fill(0.0),
                 PortTangent::LargestRate => head[0] = self.tangent_of_largest_rate(tangent),
             }
@@ -438,7 +444,7 @@ fn scatter(c: usize, [velocity, force, reaction]: [&[f64]; 3], to: &mut Instant)
 
 impl Companion for Tangents {
     fn start(&mut self, model: &Model, state: &State, ws: &mut Workspace) -> Result<()> {
-        let mut has_jump = false;
+        let mut has_jump = ws.has_settled;
         for t in &mut self.list {
             for (i, seed) in t.seed.iter().enumerate() {
                 t.course.start[i] = ws.course.start_by_input[i] * seed;
@@ -541,6 +547,7 @@ impl Companion for Tangents {
         self.settle(model, state, ws, ws.approach[1])?;
         for t in &mut self.list {
             t.velocities[0].store_into(&mut t.state);
+            t.state.loads.copy_from_slice(&t.load);
         }
         Ok(())
     }
@@ -582,6 +589,8 @@ impl Companion for Tangents {
             let moves = &t.state.main.normal_displacement;
             let ends = (ws.approach[1], t.approach[1]);
             elastic += foundation_energy_slope(model, state, ends.0, moves, ends.1);
+            // what is read of the inputs there
+            t.state.loads.copy_from_slice(&t.velocities[last].load);
             if !tableau.ends_with_stage() {
                 let to = &mut t.state;
                 to.mean_slip_rate.copy_from_slice(&d.instant.slip_rate);

@@ -248,6 +248,8 @@ pub(crate) struct Workspace {
     pub shift: Vec<f64>,
     /// Contact velocities of the body without its drives, and S times the shift.
     pub shifted: Vec<f64>,
+    /// Whether the velocity followed a jump at the beginning of the communication step.
+    pub has_settled: bool,
     /// Displacement of the foundation towards the body at the beginning and at the end of the internal step.
     pub approach: [f64; 2],
     /// Scratch of the solver with pressure, where there is one.
@@ -285,6 +287,7 @@ impl Workspace {
             forces: vec![0.0; model.motions().force_count()],
             shift: vec![0.0; shifted],
             shifted: vec![0.0; shifted],
+            has_settled: false,
             approach: [0.0; 2],
             pressed: contact.has_normal.then(|| PressedScratch::new(model)),
             memory_states: match model.friction().has_memory() {
