@@ -119,6 +119,26 @@ fn formulas_know_place_and_pressure() {
     }
 }
 
+/// How fast a law weakens is that of its worst node; before the nodes are known nothing is said of them, and nothing panics.
+#[test]
+fn the_steepest_fall_is_that_of_the_worst_node() {
+    let points = [[0.1, 0.0, 0.0], [0.4, 0.0, 0.0], [0.2, 0.0, 0.0]];
+    let chosen = law(Role::Bound, "0.5 + x * exp(-r)", &points);
+    assert!((chosen.bounds().weakening(0.0) - 0.4).abs() < 1e-15);
+    let kind = Law::find(Role::Bound, "expression").unwrap();
+    let given = [Given::Formula("0.5 + x * exp(-r)".to_owned())];
+    let unknown = ChosenLaw::new(kind, &given, None).unwrap();
+    let bounds = unknown.pressed(unknown.start(), &[1.0, 1.0], 0.0);
+    assert!(bounds.evaluate(1, 0.1, 1.0, STILL).bound.is_nan());
+    let kind = Law::find(Role::Bound, "rate_and_state").unwrap();
+    let mut given: Vec<Given> = [0.4, 0.02, 0.03, 1e-3, 0.01].map(Given::Number).to_vec();
+    given[4] = Given::Expression("0.01 * x".to_owned());
+    given.extend([Given::Choice(0), Given::Absent]);
+    let unknown = ChosenLaw::new(kind, &given, None).unwrap();
+    assert!(unknown.has_memory());
+    assert!(unknown.initial_state(unknown.start(), 2).unwrap().is_nan());
+}
+
 /// A value below zero that only a step can meet is cut at zero on the way, and told; one that is no number is none.
 #[test]
 fn a_negative_value_is_cut_and_told() {
@@ -254,7 +274,7 @@ fn a_step_that_meets_a_negative_value_changes_nothing() {
     let mut steps = 0;
     let (before, error) = loop {
         let before = simulator.state().clone();
-        match simulator.do_step(simulator.time(), 1.0 / 32.0) {
+        match simulator.do_step(simulator.time(), 1.0 / 256.0) {
             Ok(()) => steps += 1,
             Err(error) => break (before, error),
         }

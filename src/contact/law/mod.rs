@@ -26,6 +26,7 @@ mod expression;
 mod formula;
 mod frictionless;
 mod memory;
+mod misfit;
 mod named;
 mod pressed;
 mod rate_and_state;
@@ -37,9 +38,10 @@ mod tresca;
 
 pub use chosen::{ChosenLaw, LawBounds};
 pub use coefficients::{
-    Coefficient, Coefficients, Extent, Field, Given, Misfit, Omitted, Place, Range, Unit, Wrong,
+    Coefficient, Coefficients, Extent, Field, Given, Omitted, Place, Range, Unit,
 };
 pub use memory::{Memory, MemoryPath};
+pub use misfit::{Misfit, Wrong};
 pub use named::{Law, Role};
 pub use pressed::PressedLaw;
 
