@@ -10,6 +10,7 @@ shift
 case $target in
 scene) longest=900 ;;
 calls) longest=160 ;;
+mesh) longest=6000 ;;
 *) longest=48 ;;
 esac
 # a wrapper and no flags for all crates: it leaves the counters out of build scripts, procedural macros and the linear algebra

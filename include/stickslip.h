@@ -25,7 +25,8 @@
  * Threads     A model may be used from any number of threads at once. A simulator, and a saved state while it is
  *             saved into, is used by one thread at a time, any thread; a second call with a simulator at the same time
  *             is refused with STICKSLIP_CALL_ORDER. The last error belongs to the thread of the failed call.
- * Manners     No printing, no threads, no signals, no environment, no files. No allocation in set_inputs, set, set_many,
+ * Manners     No printing, no threads, no signals, no environment, no files but those that
+ *             stickslip_model_compile_file is asked to read. No allocation in set_inputs, set, set_many,
  *             do_step (at step sizes met before), get_outputs, get, save_state, restore_state. A panic inside the library
  *             is caught: the call returns STICKSLIP_POISONED, and so does every later one with that simulator, which can
  *             only be freed. Floating-point traps, rounding mode and flushing to zero of the host are put aside for a
@@ -144,6 +145,16 @@ typedef struct stickslip_state stickslip_state;
 // of the body is made, 3: certificate), the fraction of the work that is done (0 to 1, never falling; it stays 0 in phase 0),
 // and the `user_data` of the call. Any value but 0 stops the compilation. Must not throw, nor unwind by longjmp.
 typedef int32_t (*stickslip_progress)(int32_t phase, double fraction, void *user_data);
+
+// A file in memory, for `stickslip_model_compile_files`.
+typedef struct stickslip_file {
+  // What the scene calls it, NUL-terminated UTF-8.
+  const char *name;
+  // Its contents.
+  const uint8_t *bytes;
+  // Number of bytes.
+  size_t length;
+} stickslip_file;
 
 // Sizes of a model.
 typedef struct stickslip_model_info {
@@ -284,6 +295,24 @@ int32_t stickslip_model_compile_with(const char *scene,
                                      stickslip_progress progress,
                                      void *user_data,
                                      struct stickslip_model **model);
+
+// `stickslip_model_compile_with` for the scene file at `path` (UTF-8), with the files of its folder: the mesh that a scene names is
+// looked for there. The model keeps the bytes of what it was made from, also in `stickslip_model_save`. `progress` may be NULL. Errors:
+// those of `stickslip_model_compile_with`; `SCENE` also for a scene file or a mesh file that cannot be read. Any thread.
+int32_t stickslip_model_compile_file(const char *path,
+                                     stickslip_progress progress,
+                                     void *user_data,
+                                     struct stickslip_model **model);
+
+// `stickslip_model_compile_with` for a scene whose files are in memory: `files` are `count` of them, by the names that the scene calls
+// them. Nothing of them is kept but copies of those that the scene names, in the model. `progress` may be NULL. Errors: those of
+// `stickslip_model_compile_with`; `SCENE` also for a file that is not among them or cannot be used. Any thread.
+int32_t stickslip_model_compile_files(const char *scene,
+                                      const struct stickslip_file *files,
+                                      size_t count,
+                                      stickslip_progress progress,
+                                      void *user_data,
+                                      struct stickslip_model **model);
 
 // Loads a compiled model from the `length` bytes of `stickslip_model_save`, without mesh or assembly, into `*model`; the
 // caller frees it. The bytes are not kept. Errors: `BYTES` (of another kind or version, truncated, damaged), `FINGERPRINT`,
@@ -460,6 +489,24 @@ int32_t stickslip_model_compile_with(const char *scene,
                                      stickslip_progress progress,
                                      void *user_data,
                                      struct stickslip_model **model);
+
+// `stickslip_model_compile_with` for the scene file at `path` (UTF-8), with the files of its folder: the mesh that a scene names is
+// looked for there. The model keeps the bytes of what it was made from, also in `stickslip_model_save`. `progress` may be NULL. Errors:
+// those of `stickslip_model_compile_with`; `SCENE` also for a scene file or a mesh file that cannot be read. Any thread.
+int32_t stickslip_model_compile_file(const char *path,
+                                     stickslip_progress progress,
+                                     void *user_data,
+                                     struct stickslip_model **model);
+
+// `stickslip_model_compile_with` for a scene whose files are in memory: `files` are `count` of them, by the names that the scene calls
+// them. Nothing of them is kept but copies of those that the scene names, in the model. `progress` may be NULL. Errors: those of
+// `stickslip_model_compile_with`; `SCENE` also for a file that is not among them or cannot be used. Any thread.
+int32_t stickslip_model_compile_files(const char *scene,
+                                      const struct stickslip_file *files,
+                                      size_t count,
+                                      stickslip_progress progress,
+                                      void *user_data,
+                                      struct stickslip_model **model);
 
 // Loads a compiled model from the `length` bytes of `stickslip_model_save`, without mesh or assembly, into `*model`; the
 // caller frees it. The bytes are not kept. Errors: `BYTES` (of another kind or version, truncated, damaged), `FINGERPRINT`,

@@ -83,6 +83,12 @@ template <class T> using Handle = std::unique_ptr<T, Free>;
 // A compiled scene; shared by simulators, usable from all threads.
 class Model {
 public:
+    // Compiles a scene file with the files of its folder.
+    static Model compile_file(const std::string &path) {
+        stickslip_model *model = nullptr;
+        check(stickslip_model_compile_file(path.c_str(), nullptr, nullptr, &model));
+        return Model(model);
+    }
     static Model compile(const std::string &scene) {
         stickslip_model *model = nullptr;
         check(stickslip_model_compile(scene.c_str(), &model));

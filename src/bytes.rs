@@ -123,6 +123,11 @@ impl Writer {
         self.bytes.extend(value.as_bytes());
     }
 
+    pub fn raw(&mut self, value: &[u8]) {
+        self.word(value.len() as u64);
+        self.bytes.extend(value);
+    }
+
     pub fn floats(&mut self, values: &[f64]) {
         self.word(values.len() as u64);
         values.iter().for_each(|v| self.float(*v));
@@ -224,6 +229,11 @@ impl<'a> Reader<'a> {
         let length = self.word()?;
         std::str::from_utf8(self.take(length)?)
             .map_err(|e| Reader::refusal(format!("text that is not UTF-8: {e}")))
+    }
+
+    pub fn raw(&mut self) -> Result<&'a [u8]> {
+        let length = self.word()?;
+        self.take(length)
     }
 
     /// As many words as `count` says, if that many are left.

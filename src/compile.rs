@@ -1,6 +1,7 @@
 //! Compilation: the setting of a scene is resolved, then its model is made.
 
 use crate::error::Result;
+use crate::files::{Files, NoFiles};
 use crate::model::{Compilation, Model, Observer};
 use crate::progress::Watch;
 use crate::scene::Scene;
@@ -8,7 +9,7 @@ use crate::tradeoff::resolve;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-/// Compiles a scene.
+/// Compiles a scene that names no files.
 ///
 /// # Errors
 /// [`crate::Error::Scene`] and [`crate::Error::Body`] for a scene without a usable body or beyond `fidelity.memory_limit`;
@@ -19,12 +20,25 @@ pub fn compile(scene: &Scene) -> Result<Arc<Model>> {
     Compilation::new(scene).map(|c| c.model)
 }
 
-/// Compiles a scene and tells `observer` where that stands; it may stop it.
+/// Compiles a scene with the files that it names, as that of its mesh: [`crate::Folder`], [`crate::MemoryFiles`]. The model keeps what
+/// it read ([`Model::files`]).
 ///
 /// # Errors
-/// Those of [`compile`]; [`crate::Error::Cancelled`].
-pub fn compile_with(scene: &Scene, observer: &mut Observer) -> Result<Arc<Model>> {
-    Compilation::with(scene, observer).map(|c| c.model)
+/// Those of [`compile`]; [`crate::Error::Scene`] at the name of a file that cannot be read or used.
+pub fn compile_from(scene: &Scene, files: &dyn Files) -> Result<Arc<Model>> {
+    compile_with(scene, files, &mut |_| ControlFlow::Continue(()))
+}
+
+/// The same, and tells `observer` where that stands; it may stop it.
+///
+/// # Errors
+/// Those of [`compile_from`]; [`crate::Error::Cancelled`].
+pub fn compile_with(
+    scene: &Scene,
+    files: &dyn Files,
+    observer: &mut Observer,
+) -> Result<Arc<Model>> {
+    Compilation::with(scene, files, observer).map(|c| c.model)
 }
 
 impl Compilation {
@@ -33,16 +47,16 @@ impl Compilation {
     /// # Errors
     /// Those of [`compile`].
     pub fn new(scene: &Scene) -> Result<Compilation> {
-        Compilation::with(scene, &mut |_| ControlFlow::Continue(()))
+        Compilation::with(scene, &NoFiles, &mut |_| ControlFlow::Continue(()))
     }
 
-    /// The same, and tells `observer` where it stands.
+    /// The same with the files that the scene names, and tells `observer` where it stands.
     ///
     /// # Errors
     /// Those of [`compile_with`].
-    pub fn with(scene: &Scene, observer: &mut Observer) -> Result<Compilation> {
+    pub fn with(scene: &Scene, files: &dyn Files, observer: &mut Observer) -> Result<Compilation> {
         let mut watch = Watch::new(observer);
         let (scene, selection) = resolve(scene, &mut watch)?;
-        Compilation::resolved(scene, selection, &mut watch)
+        Compilation::resolved(scene, files, selection, &mut watch)
     }
 }

@@ -4,14 +4,14 @@ mod common;
 
 use common::paper;
 use std::ops::ControlFlow;
-use stickslip::compile_with;
 use stickslip::model::{Phase, Progress};
 use stickslip::{Error, ErrorCode, Scene, compile};
+use stickslip::{NoFiles, compile_with};
 
 /// What the observer saw, and what came of stopping at its `last` call.
 fn observed(scene: &Scene, last: usize) -> (Vec<Progress>, Option<Error>) {
     let mut seen = Vec::new();
-    let outcome = compile_with(scene, &mut |now| {
+    let outcome = compile_with(scene, &NoFiles, &mut |now| {
         seen.push(now);
         match seen.len() < last {
             true => ControlFlow::Continue(()),
@@ -49,7 +49,7 @@ fn progress_rises_to_one_through_the_phases_and_changes_nothing() {
         let least = if model == "reduced" { 12 } else { 5 };
         assert!(seen.len() >= least, "{model}: {}", seen.len());
         let plain = compile(&scene).unwrap().fingerprint();
-        let told = compile_with(&scene, &mut |_| ControlFlow::Continue(())).unwrap();
+        let told = compile_with(&scene, &NoFiles, &mut |_| ControlFlow::Continue(())).unwrap();
         assert_eq!(told.fingerprint(), plain);
     }
 }

@@ -300,13 +300,13 @@ fn graded_bodies_end_exactly_and_keep_their_size() {
     for mesh in [plate, block] {
         let mesh: MeshSpec = serde_json::from_value(mesh).unwrap();
         let body = Mesh::generate(&mesh).unwrap();
-        for (axis, &length) in mesh.grid().size.iter().enumerate() {
+        for (axis, &length) in mesh.grid().unwrap().size.iter().enumerate() {
             let places = || body.nodes.iter().map(move |p| p[axis]);
             assert_eq!(places().fold(f64::INFINITY, f64::min), 0.0);
             assert_eq!(places().fold(0.0, f64::max), length);
         }
         let volume: f64 = body.cells().map(|c| Simplex::new(&body, c).volume).sum();
-        let exact: f64 = mesh.grid().size.iter().product();
+        let exact: f64 = mesh.grid().unwrap().size.iter().product();
         assert!((volume / exact - 1.0).abs() < 1e-14);
     }
 }
@@ -400,7 +400,7 @@ fn one_quadratic_cell_carries_a_column_under_its_weight() {
 fn quadratic_elements_need_a_plane_mesh() {
     let text = stickslip::scene::example("brake_pad_3d").unwrap();
     let mut scene = Scene::from_json(text, "pad").unwrap();
-    scene.element = ElementKind::P2;
+    scene.element = Some(ElementKind::P2);
     let error = Body::assemble(&scene).expect_err("no quadratic tetrahedra");
     assert!(matches!(error, stickslip::Error::Scene { path, .. } if path == "element"));
 }

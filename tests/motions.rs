@@ -9,15 +9,24 @@ use stickslip::simulator::drive::Drive;
 use stickslip::{Model, Simulator, compile};
 
 /// What the scenes have: condition and friction.
-const PRESSED: [&str; 5] = ["bound", "bilateral", "unilateral", "compliance", "rotation"];
+const PRESSED: [&str; 6] = [
+    "bound",
+    "bilateral",
+    "unilateral",
+    "compliance",
+    "rotation",
+    "rate_and_state",
+];
 
 fn text(kind: &str, model: &str, scheme: &str, input: &str) -> Value {
     let condition = match kind {
-        "unilateral" => json!({"kind": "unilateral", "gap": 0.001}),
+        "unilateral" | "rate_and_state" => json!({"kind": "unilateral", "gap": 0.001}),
         "compliance" => json!({"kind": "compliance", "stiffness": 40.0, "exponent": 1.5}),
         _ => json!({"kind": "bilateral"}),
     };
     let friction = match kind {
+        "rate_and_state" => json!({"law": "coulomb", "coefficient": {
+            "kind": "rate_and_state", "coefficient": 0.4, "a": 0.02, "b": 0.015, "rate": 0.001, "distance": 0.02, "evolution": "aging"}}),
         "bound" => json!({"law": "exponential", "a": 0.05, "b": 0.03, "alpha": 3.0}),
         _ => {
             json!({"law": "coulomb", "coefficient": {"kind": "exponential", "static": 0.4, "kinetic": 0.3, "decay": 0.8}})

@@ -19,7 +19,8 @@ pub struct Arguments {
 pub enum Command {
     /// Step a scene on its own signals; a load without a signal keeps its start value.
     Run(RunOptions),
-    /// Validate a scene; print its ports, the certificate of uniqueness and the step to choose.
+    /// Validate a scene; print its ports, the certificate of uniqueness and the step to choose. Of a mesh file (.msh): its parts,
+    /// regions, sizes and quality.
     Check(SceneChoice),
     /// Pack a scene as an FMU: the shared library, the compiled model, the description, a page, a reference run.
     Fmu(FmuOptions),

@@ -1,8 +1,10 @@
 //! The picture of the deformed body at the end of a run, for plane bodies.
 
 use crate::failure::Failure;
-use crate::pictures::{Axis, BodyView, Panel, Shape, Sheet};
+use crate::pictures::{Axis, BodyView, Panel, Place, Shape, Sheet};
+use std::collections::BTreeMap;
 use std::path::Path;
+use stickslip::mesh::Mesh;
 use stickslip::{Compilation, Scene, Simulator};
 
 /// Share of the size of the body that a displacement must have to be seen at true scale.
@@ -17,15 +19,17 @@ pub fn draw(
     compilation: &Compilation,
     simulator: &Simulator,
 ) -> Result<(), Failure> {
-    let &[width, height] = scene.mesh.grid().size else {
-        return Ok(());
-    };
     let body = &compilation.body;
+    if body.mesh.dimension != 2 {
+        return Ok(());
+    }
+    let [low, high] = body.mesh.bounds();
+    let size = (high[0] - low[0]).max(high[1] - low[1]);
     let displacement = compilation.nodal_displacement(simulator.state());
     let displacement = displacement.map_err(Failure::of(&scene.name))?;
     let amount: Vec<f64> = displacement.iter().map(|u| u[0].hypot(u[1])).collect();
     let largest = amount.iter().copied().fold(0.0, f64::max);
-    let factor = enlargement(largest / width.max(height));
+    let factor = enlargement(largest / size);
     let shape = Shape::new(&body.mesh, &displacement, factor);
     let faces = body.mesh.faces(&scene.contact.part, "contact.part");
     let contact = faces
@@ -40,13 +44,7 @@ pub fn draw(
     let view = BodyView {
         heading: format!("At t = {} s, {scale}; contact in black", simulator.time()),
         shape,
-        outline: vec![
-            (0.0, 0.0),
-            (width, 0.0),
-            (width, height),
-            (0.0, height),
-            (0.0, 0.0),
-        ],
+        outline: border(&body.mesh),
         amount,
         scale: Axis::new("displacement", "m"),
         contact,
@@ -60,6 +58,39 @@ pub fn draw(
         rows: vec![(1.0, vec![Panel::Body(view)])],
     }
     .save(folder, "body")
+}
+
+/// The closed lines around a plane mesh, from side to side of its cells.
+fn border(mesh: &Mesh) -> Vec<Vec<Place>> {
+    // a side between two cells is met once in each direction
+    let mut next: BTreeMap<u32, BTreeMap<u32, Vec<u32>>> = BTreeMap::new();
+    let element = mesh.element;
+    for cell in mesh.cells() {
+        for side in element.faces {
+            let (p, q) = (cell[side[0]], cell[side[1]]);
+            let opposite = next.get_mut(&q).and_then(|from| from.remove(&p));
+            if opposite.is_none() {
+                let is_its = |ends: &[usize; 2]| side.contains(&ends[0]) && side.contains(&ends[1]);
+                let middle = element.midsides.iter().position(is_its);
+                let middle = middle.map(|place| cell[element.corners() + place]);
+                let line = middle.into_iter().chain([q]).collect();
+                next.entry(p).or_default().insert(q, line);
+            }
+        }
+    }
+    let place = |node: u32| (mesh.nodes[node as usize][0], mesh.nodes[node as usize][1]);
+    let mut lines = Vec::new();
+    while let Some((&start, _)) = next.iter().find(|(_, ends)| !ends.is_empty()) {
+        let mut line = vec![place(start)];
+        let mut at = start;
+        while let Some((end, along)) = next.get_mut(&at).and_then(BTreeMap::pop_first) {
+            line.extend(along.into_iter().map(place));
+            at = end;
+        }
+        next.retain(|_, ends| !ends.is_empty());
+        lines.push(line);
+    }
+    lines
 }
 
 /// 1 for a displacement of this share that can be seen, else the largest of 1, 2, 5, 10, ... that keeps it small.

@@ -23,7 +23,8 @@ pub fn check(choice: &SceneChoice) -> Result<(), Failure> {
     let mut scene = source::scene(choice, &[])?;
     // a scene that is refused for its step alone is shown with its limit first
     let is_forced = std::mem::replace(&mut scene.time.force, true);
-    let compilation = console::compile(&scene).map_err(Failure::of(choice.name()))?;
+    let compilation =
+        console::compile(&scene, &source::files(choice)).map_err(Failure::of(choice.name()))?;
     let (scene, model) = (&compilation.scene, &compilation.model);
     let mut rows = closing::compiled(model.summary(), model);
     rows.extend(constants(model));

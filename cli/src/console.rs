@@ -7,7 +7,7 @@ use std::io::{ErrorKind, IsTerminal, Write};
 use std::ops::ControlFlow;
 use std::path::Path;
 use stickslip::model::Progress;
-use stickslip::{Compilation, Scene};
+use stickslip::{Compilation, Files, Scene};
 
 /// Prints lines of results. A closed pipe is not an error: the output is discarded and the command finishes its work.
 pub fn say(text: &str) -> Result<(), Failure> {
@@ -43,12 +43,12 @@ pub fn spinner(what: &str) -> ProgressBar {
 }
 
 /// Compiles a scene; where stderr is a terminal, with a bar of what is done.
-pub fn compile(scene: &Scene) -> stickslip::Result<Compilation> {
+pub fn compile(scene: &Scene, files: &dyn Files) -> stickslip::Result<Compilation> {
     let bar = bar(100, &scene.name);
     if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {percent} %") {
         bar.set_style(style);
     }
-    let outcome = Compilation::with(scene, &mut |now: Progress| {
+    let outcome = Compilation::with(scene, files, &mut |now: Progress| {
         bar.set_message(format!("compiling {}: {}", scene.name, now.phase.name()));
         bar.set_position((100.0 * now.fraction) as u64);
         ControlFlow::Continue(())

@@ -7,8 +7,8 @@ use crate::source;
 use crate::standard;
 use std::io::Write;
 use std::path::Path;
-use stickslip::Scene;
 use stickslip::message::escaped;
+use stickslip::{Files, Scene};
 use stickslip_fmu::{FmiVersion, Options, PackageError, Packed, package};
 
 /// `stickslip fmu`.
@@ -22,6 +22,7 @@ pub fn run(options: &FmuOptions) -> Result<(), Failure> {
     let name = options.choice.name().to_owned();
     let packed = pack(
         &scene,
+        &source::files(&options.choice),
         Options {
             version: match options.fmi {
                 Fmi::Two => FmiVersion::Fmi2,
@@ -50,8 +51,8 @@ pub fn run(options: &FmuOptions) -> Result<(), Failure> {
 }
 
 /// The FMU of a scene; `options.source_name` is what errors call the scene.
-pub fn pack(scene: &Scene, options: Options) -> Result<Packed, Failure> {
-    package(&scene.to_json(), &options).map_err(|error| match error {
+pub fn pack(scene: &Scene, files: &dyn Files, options: Options) -> Result<Packed, Failure> {
+    package(&scene.to_json(), files, &options).map_err(|error| match error {
         PackageError::Scene(error) => Failure::of(&options.source_name)(error),
         error => Failure::Package {
             source_name: options.source_name.clone(),

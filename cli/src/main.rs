@@ -3,6 +3,7 @@
 mod arguments;
 mod body_picture;
 mod check;
+mod check_mesh;
 mod closing;
 mod console;
 mod contact_table;
@@ -39,6 +40,7 @@ fn dispatch(arguments: &Arguments) -> Result<(), Failure> {
     match &arguments.command {
         None => main_job::run(),
         Some(Command::Run(options)) => run::run(options),
+        Some(Command::Check(choice)) if check_mesh::is_meant(choice) => check_mesh::check(choice),
         Some(Command::Check(choice)) => check::check(choice),
         Some(Command::Fmu(options)) => fmu::run(options),
         Some(Command::Tradeoff(options)) => tradeoff::run(options),

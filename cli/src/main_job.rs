@@ -7,7 +7,7 @@ use crate::fmu;
 use crate::paper::{self, example};
 use crate::run_pictures;
 use std::path::Path;
-use stickslip::Scene;
+use stickslip::{NoFiles, Scene};
 use stickslip_fmu::Options;
 
 /// Where everything goes.
@@ -37,7 +37,7 @@ fn fmu_of(scene: &Scene, out: &Path) -> Result<String, Failure> {
         source_name: example::NAME.to_owned(),
         ..Options::default()
     };
-    let packed = match fmu::pack(scene, options) {
+    let packed = match fmu::pack(scene, &NoFiles, options) {
         Ok(packed) => packed,
         Err(failure @ Failure::Package { .. }) => return Ok(format!("no FMU: {failure}")),
         Err(failure) => return Err(failure),

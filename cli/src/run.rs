@@ -25,7 +25,8 @@ pub fn run(options: &RunOptions) -> Result<(), Failure> {
     let name = options.choice.name();
     let points = Points::checked(&scene).map_err(Failure::of(name))?;
     let start = Instant::now();
-    let compilation = console::compile(&scene).map_err(Failure::of(name))?;
+    let compilation =
+        console::compile(&scene, &source::files(&options.choice)).map_err(Failure::of(name))?;
     let setup = start.elapsed();
     let scene = &compilation.scene;
     if let Some(limit) = closing::exceeded_limit(&compilation.model) {

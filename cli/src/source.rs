@@ -4,7 +4,7 @@ use crate::arguments::SceneChoice;
 use crate::failure::Failure;
 use crate::standard;
 use std::path::Path;
-use stickslip::Scene;
+use stickslip::{Folder, Scene};
 
 /// Text of an embedded example.
 pub fn embedded(name: &str) -> Result<&'static str, Failure> {
@@ -43,6 +43,15 @@ pub fn scene(choice: &SceneChoice, more: &[(String, String)]) -> Result<Scene, F
         .cloned()
         .collect();
     Scene::with_overrides(text, name, &overrides).map_err(Failure::of(name))
+}
+
+/// Where the files are that the scene names: in its folder, or where the command runs.
+pub fn files(choice: &SceneChoice) -> Folder {
+    let path = Path::new(&choice.scene);
+    match path.is_file() {
+        true => Folder::of(path),
+        false => Folder::default(),
+    }
 }
 
 /// The text of a file or of standard input, or why there is none.

@@ -4,7 +4,7 @@ use crate::fault::{Fault, Outcome};
 use crate::variables::Variables;
 use std::path::Path;
 use std::sync::Arc;
-use stickslip::{Model, Scene, compile};
+use stickslip::{Model, Scene, compile_from};
 use xxhash_rust::xxh3::{xxh3_64, xxh3_128};
 
 /// Name of the scene in the resources of an FMU.
@@ -76,7 +76,8 @@ impl Component {
         }
         share(xxh3_64(key.as_bytes()), &mut || {
             let scene = Scene::with_overrides(&self.scene_text, SCENE_FILE, &changes)?;
-            let model = compile(&scene)?;
+            // with the files that it carries
+            let model = compile_from(&scene, self.model.files())?;
             Ok(Component {
                 scene_text: self.scene_text.clone(),
                 variables: Variables::new(&model),

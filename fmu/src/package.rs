@@ -10,9 +10,10 @@ use crate::variables::Variables;
 use crate::xml::Xml;
 use std::fmt;
 use std::io::{Cursor, Write};
-use std::path::{Path, PathBuf};
+use std::ops::ControlFlow;
+use std::path::{Component, Path, PathBuf};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
-use stickslip::{Compilation, Scene};
+use stickslip::{Compilation, Files, Scene};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
@@ -186,15 +187,20 @@ fn is_test_library(library: &[u8]) -> bool {
     library.windows(mark.len()).any(|w| w == mark.as_bytes())
 }
 
-/// Packs the FMU of a scene text. It contains: the shared library, the compiled model and the scene (in `resources/`), the
+/// Packs the FMU of a scene text with the files that it names. It contains: the shared library, the compiled model, the scene and its
+/// files (in `resources/`), the
 /// model description, for FMI 3 the terminals, a documentation page, the licences, and the results of the scene's own run. The
 /// same scene and library give the same bytes where `SOURCE_DATE_EPOCH` says what date to write.
 ///
 /// # Errors
 /// [`PackageError`].
-pub fn package(scene_text: &str, options: &Options) -> Result<Packed, PackageError> {
+pub fn package(
+    scene_text: &str,
+    files: &dyn Files,
+    options: &Options,
+) -> Result<Packed, PackageError> {
     let scene = Scene::from_json(scene_text, &options.source_name)?;
-    let compilation = Compilation::new(&scene)?;
+    let compilation = Compilation::with(&scene, files, &mut |_| ControlFlow::Continue(()))?;
     let model = &compilation.model;
     let text = compilation.scene.to_json();
     let library = options.library.clone().map_or_else(find_library, Ok)?;
@@ -213,7 +219,7 @@ pub fn package(scene_text: &str, options: &Options) -> Result<Packed, PackageErr
     };
     let start = start_values(model, &Variables::new(model))?;
     let documentation = page(&compilation, &start, version, is_scalar, &notes);
-    let mut files: Vec<(String, Vec<u8>)> = vec![
+    let mut members: Vec<(String, Vec<u8>)> = vec![
         ("modelDescription.xml".into(), description.into()),
         (
             format!("binaries/{}/{}", platform(version), binary_name()),
@@ -230,15 +236,30 @@ pub fn package(scene_text: &str, options: &Options) -> Result<Packed, PackageErr
     ];
     if version == FmiVersion::Fmi3 {
         let name = "terminalsAndIcons/terminalsAndIcons.xml";
-        files.push((name.into(), terminals(model, is_scalar).into()));
+        members.push((name.into(), terminals(model, is_scalar).into()));
     }
-    files.extend(reference_files(run));
-    let bytes = archive(&files).map_err(|e| PackageError::Io("the archive".into(), e.into()))?;
+    members.extend(scene_files(model));
+    members.extend(reference_files(run));
+    let bytes = archive(&members).map_err(|e| PackageError::Io("the archive".into(), e.into()))?;
     Ok(Packed {
         bytes,
         library,
         glibc,
     })
+}
+
+/// The files that the scene names, beside it: whoever unpacks the FMU has a scene that compiles. The model carries them too, so that
+/// the FMU does not depend on them; a name that leads out of the folder stays in the model alone.
+fn scene_files(model: &stickslip::Model) -> Vec<(String, Vec<u8>)> {
+    let is_inside = |name: &str| {
+        let is_plain = |part: Component| matches!(part, Component::Normal(_));
+        !name.contains('\\') && Path::new(name).components().all(is_plain)
+    };
+    let files = model.files().0.iter();
+    files
+        .filter(|(name, _)| is_inside(name) && ![SCENE_FILE, MODEL_FILE].contains(&name.as_str()))
+        .map(|(name, bytes)| (format!("resources/{name}"), bytes.to_vec()))
+        .collect()
 }
 
 /// FMI names the file after the model identifier, without the prefix `lib`.

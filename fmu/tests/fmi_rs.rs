@@ -7,7 +7,7 @@ use fmi_rs::fmi3::builder::FMU3Builder;
 use fmi_rs::fmi3::types::fmi3Status;
 use std::path::PathBuf;
 use stickslip::scene::{self, Inputs};
-use stickslip::{Scene, Simulator, compile};
+use stickslip::{NoFiles, Scene, Simulator, compile};
 use stickslip_fmu::{FmiVersion, Options, find_library, package};
 
 const STEPS: usize = 32;
@@ -68,7 +68,7 @@ impl Packed {
             library: Some(library),
             ..Options::default()
         };
-        let packed = package(scene::example("kazmi2014").unwrap(), &options).unwrap();
+        let packed = package(scene::example("kazmi2014").unwrap(), &NoFiles, &options).unwrap();
         let fmu = folder.join("pad.fmu");
         std::fs::write(&fmu, packed.bytes).unwrap();
         Packed { folder, fmu }

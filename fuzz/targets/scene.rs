@@ -52,7 +52,7 @@ fuzz_target!(|data: &[u8]| {
         Scene::with_overrides(stickslip::scene::example(name).expect("an embedded scene"), name, &overrides)
     };
     let Ok(scene) = scene else { return };
-    let cells: u64 = scene.mesh.grid().cells.iter().map(|&n| u64::from(n)).fold(1, u64::saturating_mul);
+    let cells: u64 = scene.mesh.grid().map_or(&[][..], |grid| grid.cells).iter().map(|&n| u64::from(n)).fold(1, u64::saturating_mul);
     let has_refinement = matches!(&scene.mesh, stickslip::scene::MeshSpec::Rectangle(r) if !r.refine.is_empty());
     if cells > MOST_CELLS || has_refinement || scene.fidelity.target_error.is_some() || scene.history.capacity > 1000 {
         return;

@@ -2,10 +2,12 @@
 //!
 //! All elements are simplices. With the barycentric coordinates `l_i` of a cell, which are linear in the position, a shape
 //! function is a polynomial in the `l_i`, and its gradient is `sum_j (dN/dl_j) grad l_j`. So a table needs neither a reference
-//! cell nor a Jacobian. Cells have straight sides: midside nodes stand in the middle of their edge.
+//! cell nor a Jacobian while cells have straight sides, with midside nodes in the middle of their edges. Bent cells have both
+//! (`crate::mesh`), and points of integration of their own (`rules`).
 //!
 //! What is not here: the geometry of a cell (`crate::fem`), the numbering of nodes (`crate::mesh`).
 
+mod rules;
 mod tet10;
 mod tet4;
 mod tri3;
@@ -42,7 +44,7 @@ pub enum ElementKind {
     /// Linear simplex, in 2D and 3D.
     #[default]
     P1,
-    /// Quadratic triangle with straight sides, in 2D: about four times the unknowns of `p1` on the same cells, and
+    /// Quadratic triangle, in 2D, with straight sides unless a mesh file bends them: about four times the unknowns of `p1` on the same cells, and
     /// errors of the next order wherever the solution is smooth. Vertices and midside nodes are contact nodes.
     P2,
 }
@@ -79,6 +81,10 @@ pub struct Element {
     pub face_midsides: &'static [[usize; 2]],
     /// Points of equal weight that integrate products of two gradients exactly.
     pub points: &'static [Barycentric],
+    /// Points that integrate over bent cells, with their shares of the measure; none for an element that has no bent ones.
+    pub bent_points: &'static [(Barycentric, f64)],
+    /// The same over bent faces.
+    pub bent_face_points: &'static [(Barycentric, f64)],
     /// Shape function of a node.
     pub shape: fn(usize, &Barycentric) -> f64,
     /// Derivatives of the shape function of a node by the barycentric coordinates.
@@ -142,6 +148,22 @@ impl Element {
     /// Nodes of a face: its corners, then its midside nodes.
     pub fn face_nodes(&self) -> usize {
         self.dimension + self.face_midsides.len()
+    }
+
+    /// Shape function of a node of a face at barycentric coordinates of the face.
+    pub fn face_shape(&self, node: usize, at: &Barycentric) -> f64 {
+        match self.face_midsides {
+            [] => linear_shape(node, at),
+            midsides => quadratic_shape(self.dimension, midsides, node, at),
+        }
+    }
+
+    /// Derivatives of the shape function of a node of a face by the barycentric coordinates of the face.
+    pub fn face_slopes(&self, node: usize, at: &Barycentric) -> Barycentric {
+        match self.face_midsides {
+            [] => linear_slopes(node, at),
+            midsides => quadratic_slopes(self.dimension, midsides, node, at),
+        }
     }
 
     /// Corners of a cell.

@@ -267,3 +267,36 @@ fn pieces_cover_the_cell() {
         assert!((e.pieces.iter().map(area).sum::<f64>() - 1.0).abs() < 1e-15);
     }
 }
+
+/// The rules for bent cells and faces: positive weights, and exact for all monomials up to their degree but not beyond it.
+#[test]
+fn rules_for_bent_cells_are_exact_to_their_degree() {
+    for (rule, dimension, degree) in [
+        (rules::LINE, 1, 5),
+        (rules::TRIANGLE, 2, 4),
+        (rules::TETRAHEDRON, 3, 5),
+    ] {
+        let error = |degree: u64| {
+            let of = |p: Vec<u64>| {
+                let sum: f64 = rule
+                    .iter()
+                    .map(|(at, share)| share * monomial(&at[..=dimension], &p))
+                    .sum();
+                (sum - mean_of_monomial(&p, dimension as u64)).abs()
+            };
+            powers(dimension + 1, degree)
+                .into_iter()
+                .map(of)
+                .fold(0.0, f64::max)
+        };
+        assert!(rule.iter().all(|(_, share)| *share > 0.0));
+        for n in 0..=degree {
+            assert!(
+                error(n) < 2e-16 + 1e-15 / (n + 1) as f64,
+                "{dimension} {n}: {}",
+                error(n)
+            );
+        }
+        assert!(error(degree + 1) > 1e-6, "{dimension}");
+    }
+}

@@ -1,10 +1,10 @@
-//! The quadratic tetrahedron with straight edges.
+//! The quadratic tetrahedron.
 //!
 //! The integral of a vertex function over a face vanishes, and over the cell it is negative. As contact weights these integrals
 //! let no friction act at the vertices, hence the refusal below. For tractions and body forces they are the consistent loads.
 
 use super::{
-    Barycentric, Element, ElementKind, OnContact, Share, quadratic_shape, quadratic_slopes,
+    Barycentric, Element, ElementKind, OnContact, Share, quadratic_shape, quadratic_slopes, rules,
 };
 
 const MIDSIDES: &[[usize; 2]] = &[[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
@@ -24,6 +24,8 @@ pub(super) const TABLE: Element = Element {
     face_midsides: &[[0, 1], [1, 2], [2, 0]],
     // gradients are linear, their products quadratic
     points: &[[B, A, A, A], [A, B, A, A], [A, A, B, A], [A, A, A, B]],
+    bent_points: rules::TETRAHEDRON,
+    bent_face_points: rules::TRIANGLE,
     shape,
     slopes,
     integrals: &[

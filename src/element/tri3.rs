@@ -13,6 +13,8 @@ pub(super) const TABLE: Element = Element {
     face_midsides: &[],
     // gradients are constant: one point, the centroid
     points: &[[1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0, 0.0]],
+    bent_points: &[],
+    bent_face_points: &[],
     shape: linear_shape,
     slopes: linear_slopes,
     integrals: &[Share::new(1.0, 3.0); 3],

@@ -1,10 +1,10 @@
-//! The quadratic triangle with straight sides.
+//! The quadratic triangle.
 //!
 //! The integrals of the shape functions over a side are the weights of Simpson's rule, 1/6 at the ends and 4/6 in the middle:
 //! all positive, so that friction acts at vertices and midside nodes alike.
 
 use super::{
-    Barycentric, Element, ElementKind, OnContact, Share, quadratic_shape, quadratic_slopes,
+    Barycentric, Element, ElementKind, OnContact, Share, quadratic_shape, quadratic_slopes, rules,
 };
 
 const MIDSIDES: &[[usize; 2]] = &[[0, 1], [1, 2], [2, 0]];
@@ -24,6 +24,8 @@ pub(super) const TABLE: Element = Element {
         [0.0, 0.5, 0.5, 0.0],
         [0.5, 0.0, 0.5, 0.0],
     ],
+    bent_points: rules::TRIANGLE,
+    bent_face_points: rules::LINE,
     shape,
     slopes,
     integrals: &[

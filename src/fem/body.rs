@@ -4,7 +4,7 @@
 //! its bound; a body that can still slide or turn rigidly gives a singular A, which its Cholesky factorization finds as a
 //! pivot that is not positive.
 
-use super::cell::Simplex;
+use super::cell::Cell;
 use super::dofs::DofMap;
 use super::driven::Drives;
 use super::foundation;
@@ -17,6 +17,7 @@ use crate::mesh::Mesh;
 use crate::message::cut;
 use crate::refusal::scene_error;
 use crate::scene::Scene;
+use std::collections::BTreeSet;
 
 /// The contact nodes, in the order of their components (the last `nodes.len() * components` free components).
 #[derive(Debug, Clone, PartialEq)]
@@ -85,20 +86,28 @@ impl Body {
     /// element has no friction, a region without a material, a direction without length, a tangent normal to the contact or a
     /// probe outside the body; [`Error::Body`] for a cell without positive volume.
     pub fn assemble_on(scene: &Scene, mesh: Mesh) -> Result<Body> {
-        let mesh = mesh.for_element(scene.element)?;
+        let kind = scene.element.unwrap_or(mesh.element.kind);
+        let mesh = mesh.for_element(kind)?;
         if let Some((found, allowed)) = mesh.element.contact_fault() {
             return Err(scene_error("element", found, allowed));
         }
         for (index, cell) in mesh.cells().enumerate() {
-            let volume = Simplex::new(&mesh, cell).volume;
+            let shape = Cell::new(&mesh, cell);
+            let volume = shape.volume();
             if !(volume.is_finite() && volume > 0.0) {
-                return Err(Error::Body {
-                    what: format!("cell {index} of the mesh has the volume {volume:e}"),
-                });
+                let what = match shape.is_bent() {
+                    false => format!("cell {index} of the mesh has the volume {volume:e}"),
+                    true => format!(
+                        "the bent sides of the cell at {:?} turn it inside out (smallest Jacobian {volume:e})",
+                        &mesh.centroid(cell)[..mesh.dimension]
+                    ),
+                };
+                return Err(Error::Body { what });
             }
         }
         let forms = forms(scene, &mesh)?;
         let dofs = DofMap::new(scene, &mesh)?;
+        refuse_loose_pieces(&mesh, &dofs)?;
         let operators = OperatorPair::from_elements(&mesh, &dofs, &forms);
         let (loads, load_rows) = load_columns(scene, &mesh, &dofs)?;
         let (probes, nodal_rows) = probe_rows(scene, &mesh, &dofs)?;
@@ -185,6 +194,57 @@ fn interior_places(mesh: &Mesh, dofs: &DofMap) -> Vec<[f64; 3]> {
         }
     }
     places
+}
+
+/// A piece of the mesh that no clamped or driven node holds can move freely: A is singular on it.
+fn refuse_loose_pieces(mesh: &Mesh, dofs: &DofMap) -> Result<()> {
+    let pieces = mesh.pieces();
+    let mut is_held = vec![false; pieces.len()];
+    for &node in &mesh.cell_nodes {
+        is_held[pieces[node as usize] as usize] |= dofs.is_held(node);
+    }
+    let is_loose = |cell: &&[u32]| !is_held[pieces[cell[0] as usize] as usize];
+    let Some(cell) = mesh.cells().find(is_loose) else {
+        return Ok(());
+    };
+    let piece = pieces[cell[0] as usize];
+    let mut regions: Vec<&str> = Vec::new();
+    let mut cells = 0;
+    for (cell, region) in mesh.cells().zip(&mesh.cell_regions) {
+        if pieces[cell[0] as usize] == piece {
+            cells += 1;
+            let region = mesh.regions[*region as usize].as_str();
+            if !regions.contains(&region) {
+                regions.push(region);
+            }
+        }
+    }
+    // nodes are few that stand at the same place as another
+    let key = |node: u32| mesh.nodes[node as usize].map(f64::to_bits);
+    let others: BTreeSet<[u64; 3]> = mesh
+        .cell_nodes
+        .iter()
+        .filter(|n| pieces[**n as usize] != piece)
+        .map(|n| key(*n))
+        .collect();
+    let own: BTreeSet<[u64; 3]> = mesh
+        .cell_nodes
+        .iter()
+        .filter(|n| pieces[**n as usize] == piece)
+        .map(|n| key(*n))
+        .collect();
+    let touching = own.intersection(&others).count();
+    let found = format!(
+        "parts that hold nothing of the {cells} cells of {} at {:?}, which share no node with the rest of the body{}",
+        cut(&format!("{regions:?}")),
+        &mesh.centroid(cell)[..mesh.dimension],
+        match touching {
+            0 => String::new(),
+            n => format!(" although {n} of their nodes stand where it has one too"),
+        }
+    );
+    let allowed = "a body that hangs together (in Gmsh: fragment or Coherence), or a clamped part on every piece";
+    Err(scene_error("clamped", found, allowed.to_owned()))
 }
 
 /// The forms of A and B in every region of the mesh.

@@ -1,11 +1,12 @@
 //! The geometry of a cell and the gradients of its shape functions.
 //!
 //! Gradients are sums over the barycentric gradients, with the derivatives of the element's table as coefficients. The plane case
-//! lives in three components with vanishing z: the code has one path, and the z unknowns never get numbers.
+//! lives in three components with vanishing z: the code has one path, and the z unknowns never get numbers. Cells with bent sides
+//! are isoparametric: gradients go through the Jacobian at every point of integration. Straight cells keep exact integrals.
 
 use crate::element::{Barycentric, Element, MOST_NODES};
 use crate::material::{Form, GradientPair};
-use crate::mesh::Mesh;
+use crate::mesh::{Bent, Mesh, bent_face};
 use nalgebra::{Matrix3, Vector3};
 
 /// Geometry of one straight-sided cell.
@@ -60,23 +61,104 @@ impl Simplex {
 }
 
 /// One cell with its shape functions.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Cell {
     element: &'static Element,
     simplex: Simplex,
+    /// What a cell with bent sides has instead of the simplex.
+    bent: Option<Box<Points>>,
+}
+
+/// The points of integration of a bent cell.
+#[derive(Debug, Clone, PartialEq)]
+struct Points {
+    bent: Bent,
+    /// Weight (m^2 or m^3) and gradients of the shape functions at every point.
+    all: Vec<(f64, [Vector3<f64>; MOST_NODES])>,
+}
+
+impl Points {
+    fn new(element: &Element, bent: Bent) -> Points {
+        let measure = if element.dimension == 2 { 2.0 } else { 6.0 };
+        let at_point = |(at, share): &(Barycentric, f64)| {
+            let jacobian = bent.jacobian(at);
+            let mut gradients = [Vector3::zeros(); MOST_NODES];
+            for (node, gradient) in gradients.iter_mut().take(element.nodes).enumerate() {
+                *gradient = bent_gradient(element, &jacobian, node, at);
+            }
+            (share * jacobian.determinant() / measure, gradients)
+        };
+        Points {
+            all: element.bent_points.iter().map(at_point).collect(),
+            bent,
+        }
+    }
+}
+
+/// Gradient of a shape function at a point with this Jacobian; not finite where it is singular.
+fn bent_gradient(
+    element: &Element,
+    jacobian: &Matrix3<f64>,
+    node: usize,
+    at: &Barycentric,
+) -> Vector3<f64> {
+    let slopes = (element.slopes)(node, at);
+    let mut by_corner = Vector3::zeros();
+    for j in 0..element.dimension {
+        by_corner[j] = slopes[j + 1] - slopes[0];
+    }
+    match jacobian.try_inverse() {
+        Some(inverse) => inverse.tr_mul(&by_corner),
+        None => Vector3::repeat(f64::NAN),
+    }
 }
 
 impl Cell {
     /// The cell with these node numbers.
     pub fn new(mesh: &Mesh, cell: &[u32]) -> Cell {
+        let element = mesh.element;
+        let bent = Bent::new(mesh, cell).map(|bent| Box::new(Points::new(element, bent)));
         Cell {
-            element: mesh.element,
+            element,
             simplex: Simplex::new(mesh, cell),
+            bent,
+        }
+    }
+
+    /// Whether its sides are bent.
+    pub fn is_bent(&self) -> bool {
+        self.bent.is_some()
+    }
+
+    /// Area (m^2) or volume (m^3); not positive for a cell that is mirrored, flat, or turned inside out by its sides.
+    pub fn volume(&self) -> f64 {
+        match &self.bent {
+            None => self.simplex.volume,
+            Some(points) => {
+                let [least, _] = points.bent.determinants();
+                if least > 0.0 {
+                    points.bent.measure()
+                } else {
+                    least
+                }
+            }
+        }
+    }
+
+    /// Barycentric coordinates of a point of space with respect to the cell; `None` where a bent cell has none, far away.
+    pub fn barycentric(&self, mesh: &Mesh, cell: &[u32], at: [f64; 3]) -> Option<Barycentric> {
+        let straight = self.simplex.barycentric(mesh, cell, at);
+        match &self.bent {
+            None => Some(straight),
+            Some(points) => points.bent.barycentric(Vector3::from(at), straight),
         }
     }
 
     /// Gradient of the shape function of a node at barycentric coordinates, 1/m.
     pub fn gradient(&self, node: usize, at: &Barycentric) -> Vector3<f64> {
+        if let Some(points) = &self.bent {
+            return bent_gradient(self.element, &points.bent.jacobian(at), node, at);
+        }
         let slopes = (self.element.slopes)(node, at);
         let mut gradient = Vector3::zeros();
         for (slope, own) in slopes.iter().zip(&self.simplex.gradients) {
@@ -88,22 +170,36 @@ impl Cell {
         gradient
     }
 
-    /// Points that integrate products of two gradients exactly: weight (m^2 or m^3) and gradients of the shape functions, zero
-    /// where the cell has no such node.
+    /// Points that integrate products of two gradients, exactly in a straight cell: weight (m^2 or m^3) and gradients of the shape
+    /// functions, zero where the cell has no such node.
     pub fn points(&self) -> impl Iterator<Item = (f64, [Vector3<f64>; MOST_NODES])> {
         let weight = self.weight();
-        self.element.points.iter().map(move |at| {
+        let (bent, straight) = match &self.bent {
+            Some(points) => (&points.all[..], &[][..]),
+            None => (&[][..], self.element.points),
+        };
+        let straight = straight.iter().map(move |at| {
             let mut gradients = [Vector3::zeros(); MOST_NODES];
             for (node, gradient) in gradients.iter_mut().take(self.element.nodes).enumerate() {
                 *gradient = self.gradient(node, at);
             }
             (weight, gradients)
-        })
+        });
+        bent.iter().copied().chain(straight)
     }
 
     /// Blocks (3 x 3, row of node `a`, column of node `b`, global axes) of the element matrices of two forms.
     pub fn blocks(&self, a: usize, b: usize, forms: [Form; 2]) -> [Matrix3<f64>; 2] {
         let mut sums = [Matrix3::zeros(); 2];
+        if let Some(points) = &self.bent {
+            for (weight, gradients) in &points.all {
+                let pair = GradientPair::new(&gradients[a], &gradients[b]);
+                for (sum, form) in sums.iter_mut().zip(forms) {
+                    form.add_block(sum, &pair, *weight);
+                }
+            }
+            return sums;
+        }
         let weight = self.weight();
         for at in self.element.points {
             let pair = GradientPair::new(&self.gradient(a, at), &self.gradient(b, at));
@@ -117,13 +213,20 @@ impl Cell {
     /// Integral of each shape function over the cell, m^2 or m^3.
     pub fn integrals(&self) -> impl Iterator<Item = f64> {
         let volume = self.simplex.volume;
-        self.element
-            .integrals
-            .iter()
-            .map(move |share| share.of(volume))
+        let (element, bent) = (self.element, self.bent.as_deref());
+        let shares = element.integrals.iter().enumerate();
+        shares.map(move |(node, share)| match bent {
+            None => share.of(volume),
+            Some(points) => {
+                let values = element.bent_points.iter().zip(&points.all);
+                values
+                    .map(|((at, _), (weight, _))| weight * (element.shape)(node, at))
+                    .sum()
+            }
+        })
     }
 
-    /// Weight of every point of integration.
+    /// Weight of every point of integration of a straight cell.
     fn weight(&self) -> f64 {
         self.simplex.volume / self.element.points.len() as f64
     }
@@ -148,10 +251,50 @@ pub(super) fn area_vector(mesh: &Mesh, face: &[u32]) -> Vector3<f64> {
 /// Nodes of a face with the integral of their shape function over it (m or m^2): the row sums of its mass matrix.
 pub(super) fn face_integrals(mesh: &Mesh, face: &[u32]) -> impl Iterator<Item = (u32, f64)> {
     let area = area_vector(mesh, face).norm();
-    let shares = mesh.element.face_integrals.iter();
-    face.iter()
-        .zip(shares)
-        .map(move |(&node, share)| (node, share.of(area)))
+    let bent = bent_face(mesh, face).map(|points| {
+        let mut sums = vec![0.0; face.len()];
+        for (shapes, normal) in points {
+            let length = normal.norm();
+            for (sum, shape) in sums.iter_mut().zip(shapes) {
+                *sum += shape * length;
+            }
+        }
+        sums
+    });
+    let shares = mesh.element.face_integrals.iter().enumerate();
+    face.iter().zip(shares).map(move |(&node, (i, share))| {
+        let integral = bent.as_ref().map_or_else(|| share.of(area), |sums| sums[i]);
+        (node, integral)
+    })
+}
+
+/// Nodes of a face with the integral of their shape function times the outward normal (m or m^2). In a part without bent faces the
+/// area vector of the face stands for it, the same at all nodes: normals are sums of these, and only their direction matters.
+pub(super) fn face_normals(
+    mesh: &Mesh,
+    face: &[u32],
+    is_part_bent: bool,
+) -> impl Iterator<Item = (u32, Vector3<f64>)> {
+    let area = area_vector(mesh, face);
+    let mut normals = vec![area; face.len()];
+    if is_part_bent {
+        match bent_face(mesh, face) {
+            Some(points) => {
+                normals.fill(Vector3::zeros());
+                for (shapes, normal) in points {
+                    for (sum, shape) in normals.iter_mut().zip(shapes) {
+                        *sum += normal * shape;
+                    }
+                }
+            }
+            None => {
+                for (normal, share) in normals.iter_mut().zip(mesh.element.face_integrals) {
+                    *normal = area * share.of(1.0);
+                }
+            }
+        }
+    }
+    face.iter().copied().zip(normals)
 }
 
 #[cfg(test)]

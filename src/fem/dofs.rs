@@ -5,7 +5,7 @@
 //! * Nodes of a part that is driven along some directions have components along the others.
 //! * A contact node keeps its tangential components, in the frame `(t1, t2, n)` (3D) or `(t1, n)` (2D): bilateral
 //!   contact sets the normal one to zero. n is the unit outward normal, the mean of the adjacent contact faces weighted by
-//!   their areas; t1 is the projection of `contact.tangent` or else of the x axis (of the y axis where n is parallel to x);
+//!   their areas (where faces are bent, by their integrals with the shape function of the node); t1 is the projection of `contact.tangent` or else of the x axis (of the y axis where n is parallel to x);
 //!   t2 = n x t1, so that (t1, t2, n) is right-handed: on a bottom (n = -y) t1 = x and t2 = z.
 //! * Where the scene needs the normal motion ([`Scene::is_pressed`]) a contact node keeps a component along -n too, from the
 //!   foundation into the body: forces that press are positive, and so is what opens the gap.
@@ -15,10 +15,10 @@
 //! The contact components come last, contact node by contact node, ordered along t1 and then t2: the trailing block of a
 //! Cholesky factor is then the operator condensed onto the contact.
 
-use super::cell::{area_vector, face_integrals, point};
+use super::cell::{face_integrals, face_normals, point};
 use super::driven::{Held, held_nodes};
 use crate::error::{Error, Result};
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, bent_face};
 use crate::message::cut;
 use crate::refusal::scene_error;
 use crate::scene::Scene;
@@ -87,10 +87,12 @@ impl DofMap {
         let mut normal_sums = vec![Vector3::zeros(); count];
         let mut masses = vec![0.0; count];
         let mut is_contact = vec![false; count];
-        for face in mesh.faces(&scene.contact.part, "contact.part")? {
-            let area = area_vector(mesh, face);
-            for (node, mass) in face_integrals(mesh, face) {
-                normal_sums[leader(node)] += area;
+        let faces = mesh.faces(&scene.contact.part, "contact.part")?;
+        let is_bent = faces.clone().any(|face| bent_face(mesh, face).is_some());
+        for face in faces {
+            let normals = face_normals(mesh, face, is_bent);
+            for ((node, mass), (_, normal)) in face_integrals(mesh, face).zip(normals) {
+                normal_sums[leader(node)] += normal;
                 masses[leader(node)] += mass;
                 is_contact[leader(node)] = true;
             }
@@ -232,6 +234,11 @@ impl DofMap {
             Some(i) => &self.frames[i],
             None => self.partly(node).map_or(&GLOBAL, |p| &p.2),
         }
+    }
+
+    /// Whether a node is clamped or driven, along some directions at least.
+    pub(super) fn is_held(&self, node: u32) -> bool {
+        self.range(node).is_empty() || self.partly(node).is_some()
     }
 
     /// Whether the frame of a node is not that of the global axes.

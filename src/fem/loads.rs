@@ -1,9 +1,9 @@
 //! Load columns and probe rows: how the inputs enter the equations and how the displacement is read at a point.
 //!
 //! A load of intensity p(t) puts the force `p(t) * column` on the free components; its work-conjugate displacement is
-//! `column . u` (the mean displacement along the direction times `measure`). All integrals are exact.
+//! `column . u` (the mean displacement along the direction times `measure`). All integrals are exact but for those of bent cells and faces.
 
-use super::cell::{Cell, Simplex, face_integrals};
+use super::cell::{Cell, face_integrals};
 use super::dofs::{DofMap, direction};
 use super::driven::NodalRows;
 use crate::element::MOST_NODES;
@@ -148,7 +148,7 @@ fn locate(mesh: &Mesh, at: [f64; 3]) -> Option<(usize, [f64; MOST_NODES])> {
     // Below this a barycentric coordinate is zero: a probe at a node reads that node alone.
     const NEGLIGIBLE: f64 = 1e-12;
     mesh.cells().enumerate().find_map(|(c, cell)| {
-        let coordinates = Simplex::new(mesh, cell).barycentric(mesh, cell, at);
+        let coordinates = Cell::new(mesh, cell).barycentric(mesh, cell, at)?;
         // Written so that a coordinate that is not a number lies nowhere.
         let is_inside = coordinates[..=mesh.dimension]
             .iter()

@@ -2,16 +2,24 @@
 //!
 //! A mesh is plain data: coordinates, cells of one element with their regions, the oriented faces of each named part.
 //! Periodicity is kept as a map from every node to the node it follows; the finite element layer gives both the same
-//! unknowns, so that a tie costs no equation. Quadratic cells have straight sides: their midside nodes stand in the
-//! middle. What is not here: adjacency, adaptivity, curved cells, cells of several elements.
+//! unknowns, so that a tie costs no equation. Midside nodes that the library makes stand in the middle of straight sides; those of a
+//! file may bend them (`geometry`). What is not here: adaptivity, cells of several elements.
 
+mod geometry;
 mod midside;
+mod pieces;
+mod quality;
 mod source;
 
-pub use source::{Axis, BODY, BoxMesh, Extent, Grid, MeshSpec, Rectangle, Refinement, RegionBox};
+pub use geometry::{Bent, bent_face};
+pub use quality::{PartSize, Quality, RegionSize};
+pub use source::{
+    Axis, BODY, BoxMesh, Extent, GmshMesh, Grid, MeshSpec, Rectangle, Refinement, RegionBox,
+};
 
 use crate::element::{Element, linear};
 use crate::error::Result;
+use crate::files::{Files, NoFiles};
 use crate::message::cut;
 use crate::refusal::scene_error;
 use std::collections::BTreeMap;
@@ -38,6 +46,8 @@ pub struct Mesh {
     /// Faces of every named part of the boundary, as many node numbers each as a face of the element has: corners, whose order
     /// gives the outward normal as in [`Element::faces`], then midside nodes.
     pub parts: BTreeMap<String, Vec<u32>>,
+    /// Names in the file of a mesh that are no parts although they could be meant so, and why.
+    pub unusable: BTreeMap<String, String>,
     /// Node that each node follows (periodicity); itself otherwise. A leader never follows another node.
     pub leader: Vec<u32>,
 }
@@ -46,12 +56,21 @@ impl Mesh {
     /// Generates the mesh that a scene describes, with linear elements.
     ///
     /// # Errors
-    /// [`crate::Error::Scene`] for a size, a number of cells, a grading, a periodic axis or a region that gives no mesh.
+    /// [`crate::Error::Scene`] for a size, a number of cells, a grading, a periodic axis or a region that gives no mesh, and for a
+    /// mesh that comes from a file.
     pub fn generate(spec: &MeshSpec) -> Result<Mesh> {
+        Mesh::read(spec, &NoFiles)
+    }
+
+    /// The mesh that a scene describes: generated with linear elements, or read from its file with those of the file.
+    ///
+    /// # Errors
+    /// Those of [`Mesh::generate`]; [`crate::Error::Scene`] at `mesh.file` for a file that is not there or holds no mesh.
+    pub fn read(spec: &MeshSpec, files: &dyn Files) -> Result<Mesh> {
         let source = spec.source();
-        let checked = source.check(linear(source.dimension()));
+        let checked = source.check(linear(source.dimension().unwrap_or(2)));
         checked.map_err(|refusal| refusal.of("scene"))?;
-        source.mesh()
+        source.mesh(files)
     }
 
     /// A mesh of one region without parts.
@@ -69,6 +88,7 @@ impl Mesh {
             cell_regions: vec![0; cell_nodes.len() / element.nodes],
             cell_nodes,
             parts: BTreeMap::new(),
+            unusable: BTreeMap::new(),
             leader,
         }
     }
@@ -108,7 +128,10 @@ impl Mesh {
             Some(faces) => Ok(faces.chunks_exact(self.element.face_nodes())),
             None => Err(scene_error(
                 path,
-                format!("{:?}", cut(part)),
+                match self.unusable.get(part) {
+                    Some(why) => format!("{:?}, which is no part: {why}", cut(part)),
+                    None => format!("{:?}", cut(part)),
+                },
                 format!(
                     "the parts of the mesh: {}",
                     self.parts.keys().cloned().collect::<Vec<_>>().join(", ")

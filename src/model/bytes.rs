@@ -16,6 +16,7 @@ use crate::body::reduced::Reduced;
 use crate::bytes::{Frame, Reader, Writer};
 use crate::error::{Error, Result};
 use crate::fem::ContactPatch;
+use crate::files::MemoryFiles;
 use crate::scene::{ModelKind, Scene};
 use std::sync::Arc;
 use xxhash_rust::xxh3::xxh3_64;
@@ -38,6 +39,10 @@ impl Model {
         out.word(u64::from(fallback.is_some()));
         fallback.iter().for_each(|why| out.text(why));
         out.float(self.summary.lost_digits);
+        // so are files: what of them matters is in the compiled numbers, whatever version they have
+        if self.scene.mesh.file().is_some() {
+            self.files.write(&mut out);
+        }
         out.seal(&FRAME, self.fingerprint)
     }
 
@@ -126,7 +131,7 @@ fn read_parts(from: &mut Reader, scene: &Scene) -> Result<Parts> {
     let kind = read_kind(from)?;
     let (dimension, mesh_nodes, mesh_cells, free_dofs) =
         (from.size()?, from.size()?, from.size()?, from.size()?);
-    if dimension != scene.mesh.dimension() {
+    if scene.mesh.dimension().is_some_and(|d| d != dimension) || !matches!(dimension, 2 | 3) {
         return Err(Reader::refusal("compiled model: dimension of the scene"));
     }
     let most = u32::MAX as usize;
@@ -219,6 +224,10 @@ fn read_parts(from: &mut Reader, scene: &Scene) -> Result<Parts> {
             _ => Some(from.text()?.to_owned()),
         },
         lost_digits: from.float()?,
+        files: match scene.mesh.file() {
+            Some(_) => MemoryFiles::from_bytes(from)?,
+            None => MemoryFiles::default(),
+        },
     })
 }
 

@@ -17,6 +17,7 @@ use crate::body::reduction::transfer::Sampler;
 use crate::body::reduction::{Reduction, Synthesis, reduce};
 use crate::error::{Error, Result};
 use crate::fem::{Body, StrainNorm};
+use crate::files::{Files, Keeper, MemoryFiles};
 use crate::linalg::SparseCholesky;
 use crate::mesh::Mesh;
 use crate::model::Model;
@@ -33,6 +34,7 @@ pub struct Compilation {
     /// The scene, with the setting that was picked for `fidelity.target_error` in place of it.
     pub scene: Scene,
     pub body: Body,
+    files: MemoryFiles,
     cholesky: SparseCholesky,
     kept: Kept,
 }
@@ -44,13 +46,21 @@ impl Compilation {
     /// Those of [`crate::compile`].
     pub(crate) fn resolved(
         scene: Scene,
+        files: &dyn Files,
         selection: Option<Selection>,
         watch: &mut Watch,
     ) -> Result<Compilation> {
         watch.report(Phase::Assembly, 0.0)?;
-        Sizes::of_scene(&scene).check(&scene)?;
-        let mesh = Mesh::generate(&scene.mesh)?;
-        Compilation::of(scene, mesh, selection, watch)
+        if let Some(sizes) = Sizes::of_scene(&scene) {
+            sizes.check(&scene)?;
+        }
+        let keeper = Keeper::new(files);
+        let mesh = Mesh::read(&scene.mesh, &keeper)?;
+        let files = keeper.into_files();
+        if scene.mesh.file().is_some() {
+            Sizes::of_file(&scene, &mesh).check(&scene)?;
+        }
+        Compilation::of(scene, files, mesh, selection, watch)
     }
 
     /// Compiles a scene on a mesh of the caller, which has the parts the scene names.
@@ -67,16 +77,26 @@ impl Compilation {
             });
         }
         let mut silent = |_| ControlFlow::Continue(());
-        Compilation::of(scene.clone(), mesh, None, &mut Watch::new(&mut silent))
+        let files = MemoryFiles::default();
+        Compilation::of(
+            scene.clone(),
+            files,
+            mesh,
+            None,
+            &mut Watch::new(&mut silent),
+        )
     }
 
     fn of(
-        scene: Scene,
+        mut scene: Scene,
+        files: MemoryFiles,
         mesh: Mesh,
         selection: Option<Selection>,
         watch: &mut Watch,
     ) -> Result<Compilation> {
         watch.report(Phase::Assembly, 0.05)?;
+        scene.element.get_or_insert(mesh.element.kind);
+        scene.validate_on(&mesh)?;
         let body = Body::assemble_on(&scene, mesh)?;
         // before the work of an hour: whether coefficients fit the contact nodes
         scene.friction_on(&body.contact.points)?;
@@ -93,11 +113,12 @@ impl Compilation {
         watch.report(Phase::Reduction, 0.2)?;
         let kept = keep(&scene, &body, &cholesky, &sizes, watch)?;
         watch.report(Phase::Certificate, 0.85)?;
-        let model = finish(&scene, &body, &cholesky, &kept, selection)?;
+        let model = finish(&scene, &files, &body, &cholesky, &kept, selection)?;
         watch.report(Phase::Certificate, 1.0)?;
         Ok(Compilation {
             model: Arc::new(model),
             scene,
+            files,
             body,
             cholesky,
             kept,
@@ -111,7 +132,15 @@ impl Compilation {
     /// Those of [`crate::compile`].
     pub(crate) fn again(&self, scene: &Scene) -> Result<Arc<Model>> {
         refuse_unstable(scene, &self.body)?;
-        finish(scene, &self.body, &self.cholesky, &self.kept, None).map(Arc::new)
+        finish(
+            scene,
+            &self.files,
+            &self.body,
+            &self.cholesky,
+            &self.kept,
+            None,
+        )
+        .map(Arc::new)
     }
 
     /// Displacements of all nodes in a state, m, global axes (z = 0 in 2D); driven parts have moved as they were driven.
@@ -182,6 +211,7 @@ fn refuse_unstable(scene: &Scene, body: &Body) -> Result<()> {
 /// Certifies the step and puts the model together.
 fn finish(
     scene: &Scene,
+    files: &MemoryFiles,
     body: &Body,
     cholesky: &SparseCholesky,
     kept: &Kept,
@@ -223,6 +253,7 @@ fn finish(
         fallback: kept.fallback.clone(),
         lost_digits: kept.lost_digits,
         body: kept.model.shared(),
+        files: files.clone(),
     };
     Model::new(scene, parts)
 }

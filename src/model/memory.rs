@@ -4,8 +4,10 @@
 //! made from the scene alone before there is a mesh, and again with the true sizes of mesh and factor. A scene beyond
 //! `fidelity.memory_limit`, or beyond what the machine gives, is refused with the estimate.
 
+use crate::element::{self, Element};
 use crate::error::{Error, Result};
 use crate::fem::Body;
+use crate::mesh::{Extent, Mesh};
 use crate::scene::{ModelKind, Scene};
 use crate::state::history_row;
 
@@ -35,9 +37,34 @@ pub struct Sizes {
 
 impl Sizes {
     /// From the scene alone; refinement counts as far as its boxes are filled.
-    pub fn of_scene(scene: &Scene) -> Sizes {
-        let element = scene.element_table();
-        let extent = scene.mesh.extent(element, &scene.contact.part);
+    pub fn of_scene(scene: &Scene) -> Option<Sizes> {
+        let element = scene.element_table()?;
+        let extent = scene.mesh.extent(element, &scene.contact.part)?;
+        Some(Sizes::new(scene, element, &extent))
+    }
+
+    /// Of a mesh from a file, before it gets midside nodes and there are matrices.
+    pub fn of_file(scene: &Scene, mesh: &Mesh) -> Sizes {
+        let kind = scene.element.unwrap_or(mesh.element.kind);
+        let element = element::of(kind, mesh.dimension).unwrap_or(mesh.element);
+        // midside nodes are three times as many as corners in the plane, seven times in space
+        let growth = match element == mesh.element {
+            true => 1,
+            false => 1u128 << mesh.dimension,
+        };
+        let faces =
+            mesh.parts.get(&scene.contact.part).map_or(0, Vec::len) / mesh.element.face_nodes();
+        let per_face =
+            element.order.pow(mesh.dimension as u32 - 1) as f64 / (mesh.dimension - 1) as f64;
+        let extent = Extent {
+            nodes: growth * mesh.nodes.len() as u128,
+            refined: 0.0,
+            contact: faces as f64 * per_face,
+        };
+        Sizes::new(scene, element, &extent)
+    }
+
+    fn new(scene: &Scene, element: &Element, extent: &Extent) -> Sizes {
         let d = element.dimension as f64;
         let nodes = extent.nodes as f64 + extent.refined;
         let dofs = d * nodes;
@@ -53,7 +80,7 @@ impl Sizes {
             entries: element.row_entries as f64 * dofs,
             factor: separator,
             contact: extent.contact * (d - 1.0 + f64::from(u8::from(scene.is_pressed()))),
-            others: ports(scene),
+            others: ports(scene, element.dimension),
         }
     }
 
@@ -66,7 +93,7 @@ impl Sizes {
             entries: body.operators.row_idx.len() as f64,
             factor: factor as f64,
             contact: body.contact_len() as f64,
-            others: ports(scene),
+            others: ports(scene, body.mesh.dimension),
         }
     }
 
@@ -102,7 +129,7 @@ impl Sizes {
     /// Refuses a scene whose model of the least memory goes beyond the limit.
     ///
     /// # Errors
-    /// [`Error::Scene`] at `history.capacity` or `mesh.cells`.
+    /// [`Error::Scene`] at `history.capacity`, `mesh.cells` or `mesh.file`.
     pub fn check(&self, scene: &Scene) -> Result<()> {
         let past = self.of_past(scene);
         let added = match scene.fidelity.model {
@@ -119,8 +146,13 @@ impl Sizes {
             ensure(scene, "history.capacity", found, past + body)
         } else {
             let nodes = format!("{:.0} nodes", self.nodes);
-            let found = format!("{:?}, {nodes}", scene.mesh.grid().cells);
-            ensure(scene, "mesh.cells", found, past + body)
+            match scene.mesh.grid() {
+                Some(grid) => {
+                    let found = format!("{:?}, {nodes}", grid.cells);
+                    ensure(scene, "mesh.cells", found, past + body)
+                }
+                None => ensure(scene, "mesh.file", nodes, past + body),
+            }
         }
     }
 
@@ -135,8 +167,8 @@ impl Sizes {
     }
 }
 
-fn ports(scene: &Scene) -> f64 {
-    (scene.inputs().count() + scene.probes.len() * scene.mesh.dimension()) as f64
+fn ports(scene: &Scene, dimension: usize) -> f64 {
+    (scene.inputs().count() + scene.probes.len() * dimension) as f64
 }
 
 fn ensure(scene: &Scene, path: &str, found: String, needed: f64) -> Result<()> {

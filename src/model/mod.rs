@@ -19,6 +19,7 @@ pub use selection::Selection;
 use crate::contact::law::ChosenLaw;
 use crate::contact::solve::fixed_point::FixedPoint;
 use crate::fem::ContactPatch;
+use crate::files::MemoryFiles;
 use crate::ports::Ports;
 use crate::scene::{Condition, Interpolation, ModelKind, Scene, Start};
 use crate::time::scheme::Tableau;
@@ -110,6 +111,7 @@ pub struct Model {
     certificate: Certificate,
     summary: Summary,
     scene: Scene,
+    files: MemoryFiles,
     fingerprint: u64,
     state_bytes: usize,
 }
@@ -139,6 +141,11 @@ impl Model {
     /// `run` is the default one.
     pub fn scene(&self) -> &Scene {
         &self.scene
+    }
+
+    /// The files that its scene names, as they were read: with them the scene is compiled again.
+    pub fn files(&self) -> &MemoryFiles {
+        &self.files
     }
 
     /// Identifies the scene (its `run` apart) and the compiled numbers: states fit models with the same fingerprint.

@@ -10,6 +10,7 @@ use crate::contact::law::ChosenLaw;
 use crate::contact::solve::fixed_point::FixedPoint;
 use crate::error::Result;
 use crate::fem::ContactPatch;
+use crate::files::MemoryFiles;
 use crate::ports::{DrivenPort, FoundationPort, Ports, Shapes};
 use crate::scene::{
     DrivenDirection, DrivenInput, FixedPointStop, Foundation, FrictionSolver, Interpolation,
@@ -41,6 +42,8 @@ pub(super) struct Parts {
     pub fallback: Option<String>,
     /// Relative error by rounding.
     pub lost_digits: f64,
+    /// The files that the scene names.
+    pub files: MemoryFiles,
 }
 
 impl Model {
@@ -69,6 +72,7 @@ impl Model {
             contact: parts.contact,
             strain_weights: parts.strain_weights,
             certificate: parts.certificate,
+            files: parts.files,
             scene: Scene {
                 run: Run::default(),
                 ..scene.clone()
@@ -84,7 +88,7 @@ impl Model {
 
 fn summary(scene: &Scene, parts: &Parts) -> Summary {
     // the first node of a contact is not counted, as at the clamped end of the paper's example
-    let multipliers = scene.element_table().order * parts.contact.faces;
+    let multipliers = scene.element_in(parts.dimension).order * parts.contact.faces;
     Summary {
         name: scene.name.clone(),
         dimension: parts.dimension,

@@ -1,7 +1,7 @@
 //! Embedded example scenes.
 
 /// Names and texts, the paper's example first.
-const EXAMPLES: [(&str, &str); 7] = [
+const EXAMPLES: [(&str, &str); 8] = [
     ("kazmi2014", include_str!("examples/kazmi2014.json")),
     ("brake_pad_3d", include_str!("examples/brake_pad_3d.json")),
     (
@@ -11,6 +11,7 @@ const EXAMPLES: [(&str, &str); 7] = [
     ("seal", include_str!("examples/seal.json")),
     ("disc_brake", include_str!("examples/disc_brake.json")),
     ("belt", include_str!("examples/belt.json")),
+    ("fault", include_str!("examples/fault.json")),
     ("snap", include_str!("examples/snap.json")),
 ];
 

@@ -20,6 +20,7 @@ pub use examples::{example, example_names};
 pub use types::*;
 
 use crate::Result;
+use crate::mesh::Mesh;
 use crate::refusal::Refusal;
 use serde::Deserialize;
 use structure::Structure;
@@ -55,13 +56,16 @@ impl Scene {
         if let Some(members) = value.as_object_mut() {
             members.remove(structure::SCHEMA_KEY);
         }
-        let scene = Scene::deserialize(&value).map_err(|error| {
+        let mut scene = Scene::deserialize(&value).map_err(|error| {
             named(Refusal::new(
                 "$",
                 error,
                 "what the JSON Schema of scenes allows",
             ))
         })?;
+        if scene.mesh.file().is_none() {
+            scene.element.get_or_insert_default();
+        }
         validate::check(&scene).map_err(named)?;
         Ok(scene)
     }
@@ -78,6 +82,15 @@ impl Scene {
             validate::check(self)
         };
         check().map_err(|refusal: Refusal| refusal.of(source_name))
+    }
+
+    /// The rules that need the dimension of the mesh, for a scene that does not say it itself.
+    pub(crate) fn validate_on(&self, mesh: &Mesh) -> Result<()> {
+        let named = |refusal: Refusal| refusal.of("scene");
+        match self.mesh.dimension() {
+            None => validate::check_in(self, Some(mesh.dimension)).map_err(named),
+            Some(_) => Ok(()),
+        }
     }
 
     /// The scene as pretty JSON, defaults written out, keys in the order of the documentation. Reads back equal.

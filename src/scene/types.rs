@@ -23,7 +23,7 @@ pub use crate::material::{
     Convention, Elasticity, IsotropicElasticity, IsotropicViscosity, Material, RegionMaterial,
     Viscosity,
 };
-pub use crate::mesh::{Axis, BoxMesh, Grid, MeshSpec, Rectangle, Refinement, RegionBox};
+pub use crate::mesh::{Axis, BoxMesh, GmshMesh, Grid, MeshSpec, Rectangle, Refinement, RegionBox};
 
 use crate::element::{self, Element};
 use crate::material::Operators;
@@ -41,9 +41,10 @@ pub struct Scene {
     pub name: String,
     /// Mesh of the body.
     pub mesh: MeshSpec,
-    /// Finite element. Default: `p1`.
-    #[serde(default)]
-    pub element: ElementKind,
+    /// Finite element. Default: `p1`, or for a mesh from a file the one of the file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "ElementKind")]
+    pub element: Option<ElementKind>,
     /// Material of the whole body; or else `materials`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Material")]
@@ -159,9 +160,16 @@ impl Scene {
         loads.chain(driven).chain(foundation)
     }
 
-    /// The table of the element in the dimension of the mesh.
-    pub fn element_table(&self) -> &'static Element {
-        let dimension = self.mesh.dimension();
-        element::of(self.element, dimension).unwrap_or_else(|| element::linear(dimension))
+    /// The table of the element in the dimension of the mesh; `None` where only the file of the mesh says the dimension.
+    pub fn element_table(&self) -> Option<&'static Element> {
+        self.mesh
+            .dimension()
+            .map(|dimension| self.element_in(dimension))
+    }
+
+    /// The table of the element in a dimension.
+    pub(crate) fn element_in(&self, dimension: usize) -> &'static Element {
+        let kind = self.element.unwrap_or_default();
+        element::of(kind, dimension).unwrap_or_else(|| element::linear(dimension))
     }
 }

@@ -17,19 +17,24 @@ const RESERVED: [&str; 4] = ["contact", "energy", "solver", "time"];
 
 /// Refuses the first violated rule.
 pub(super) fn check(scene: &Scene) -> Verdict {
-    check_mesh(scene)?;
-    check_materials(scene)?;
+    check_in(scene, scene.mesh.dimension())
+}
+
+/// The same for a mesh of this dimension; `None`: it is not known yet, and the rules that need it wait.
+pub(super) fn check_in(scene: &Scene, dimension: Option<usize>) -> Verdict {
+    check_mesh(scene, dimension)?;
+    check_materials(scene, dimension)?;
     check_clamped(scene)?;
-    check_driven(scene)?;
-    check_contact(scene)?;
-    check_foundation(scene)?;
+    check_driven(scene, dimension)?;
+    check_contact(scene, dimension)?;
+    check_foundation(scene, dimension)?;
     check_condition(scene)?;
     check_names(scene)?;
     for (i, load) in scene.loads.iter().enumerate() {
-        check_load(scene, load, &format!("loads[{i}]"))?;
+        check_load(scene, dimension, load, &format!("loads[{i}]"))?;
     }
     for (i, probe) in scene.probes.iter().enumerate() {
-        check_dimension(&scene.mesh, &probe.at, &format!("probes[{i}].at"))?;
+        check_dimension(dimension, &probe.at, &format!("probes[{i}].at"))?;
     }
     check_time(&scene.time)?;
     check_precision(&scene.fidelity)?;
@@ -86,14 +91,14 @@ fn is_identifier(name: &str) -> bool {
     name.chars().all(is_word) && name.chars().next().is_some_and(|c| !c.is_ascii_digit())
 }
 
-fn check_load(scene: &Scene, load: &Load, path: &str) -> Verdict {
+fn check_load(scene: &Scene, dimension: Option<usize>, load: &Load, path: &str) -> Verdict {
     let part_path = format!("{path}.part");
     match (load.kind, &load.part) {
         (LoadKind::Traction, None) => {
-            let allowed = format!(
-                "for a traction, one of the parts {}",
-                scene.mesh.source().parts().join(", ")
-            );
+            let allowed = match scene.mesh.source().parts() {
+                Some(parts) => format!("for a traction, one of the parts {}", parts.join(", ")),
+                None => "for a traction, a part of the mesh".to_owned(),
+            };
             return Err(Refusal::new(part_path, "nothing", allowed));
         }
         (LoadKind::BodyForce, Some(part)) => {
@@ -114,20 +119,24 @@ fn check_load(scene: &Scene, load: &Load, path: &str) -> Verdict {
             })?;
         }
     }
-    check_vector(&scene.mesh, &load.direction, &format!("{path}.direction"))
+    check_vector(dimension, &load.direction, &format!("{path}.direction"))
 }
 
 /// A direction: one component per dimension, and a length that can be divided by.
-fn check_vector(mesh: &MeshSpec, vector: &[f64], path: &str) -> Verdict {
-    check_dimension(mesh, vector, path)?;
+fn check_vector(dimension: Option<usize>, vector: &[f64], path: &str) -> Verdict {
+    check_dimension(dimension, vector, path)?;
     ensure(length(vector) > 0.0 && length(vector).is_finite(), || {
         Refusal::new(path, json(&vector), "a vector of nonzero finite length")
     })
 }
 
-fn check_dimension(mesh: &MeshSpec, vector: &[f64], path: &str) -> Verdict {
-    let dimension = mesh.dimension();
-    ensure(vector.len() == dimension, || {
+fn check_dimension(dimension: Option<usize>, vector: &[f64], path: &str) -> Verdict {
+    let is_possible = match dimension {
+        Some(dimension) => vector.len() == dimension,
+        None => matches!(vector.len(), 2 | 3),
+    };
+    ensure(is_possible, || {
+        let dimension = dimension.map_or("2 or 3".to_owned(), |d| d.to_string());
         Refusal::new(
             path,
             json(&vector),
@@ -157,6 +166,12 @@ fn check_precision(fidelity: &Fidelity) -> Verdict {
 
 /// Two ways to choose the steps; other meshes than the one that a coefficient was given for.
 fn check_target(scene: &Scene) -> Verdict {
+    let has_file = scene.mesh.file().is_some();
+    ensure(scene.fidelity.target_error.is_none() || !has_file, || {
+        let found = "a value with a mesh from a file, whose cells cannot be chosen";
+        let allowed = "a target with mesh.kind rectangle or box";
+        Refusal::new("fidelity.target_error", found, allowed)
+    })?;
     let nodal = scene.nodal_coefficient();
     if let (Some(path), Some(_)) = (nodal, scene.fidelity.target_error) {
         let found = "a value beside a coefficient per contact node, which belongs to one mesh";

@@ -408,7 +408,17 @@ fn settable(model: &Model, port: &Port, value: f64) -> Result<Quantity> {
     }
     match port.quantity {
         Quantity::Input(_) => {}
-        Quantity::Coefficient(i) => model.friction().law().check_value(i, value)?,
+        Quantity::Coefficient(i) => {
+            let law = model.friction().law();
+            law.check_value(i, value)?;
+            if value != 0.0 && law.is_cohesion(i) && !model.contact().gaps.is_empty() {
+                return Err(Error::Value {
+                    what: port.name.clone(),
+                    found: value,
+                    allowed: "0 where contact can open",
+                });
+            }
+        }
         _ => {
             return Err(Error::CallOrder {
                 call: "set",

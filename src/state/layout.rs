@@ -59,6 +59,11 @@ impl Sizes {
         if self.has_normal { self.nodes } else { 0 }
     }
 
+    /// States of the friction law.
+    pub fn memory(&self) -> usize {
+        if self.has_memory { self.nodes } else { 0 }
+    }
+
     /// A length where steps have means.
     pub fn means(&self, length: usize) -> usize {
         if self.has_means { length } else { 0 }

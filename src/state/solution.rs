@@ -54,7 +54,7 @@ blocks! {
         /// Normal displacement of the body at the contact nodes, from the foundation into the body, m.
         normal_displacement: Motion[|s| s.normal()],
         /// State of the friction law at every node, s, where it has one.
-        friction_state: Given[|s| if s.has_memory { s.nodes } else { 0 }],
+        friction_state: Given[|s| s.memory()],
         /// Points at which the friction solver last factored its matrix (see `contact::solve::newton::linearisation`).
         linearisation: Marks[|s| if s.has_normal { 0 } else { points_len(s.nodes, s.components) }],
         /// The same of the solver with pressure (see `contact::pressed`).

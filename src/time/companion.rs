@@ -1,5 +1,6 @@
 //! What may go along with a step: nothing in a run, the tangents when a step is repeated for its derivatives.
 
+use super::memory::Span;
 use super::pressed::Level;
 use super::scheme::Stage;
 use super::workspace::Workspace;
@@ -50,6 +51,8 @@ pub(crate) struct StagePlace<'a> {
     pub end: f64,
     /// What the gap was a condition on.
     pub level: Level,
+    /// How long the memory of the friction law was moved.
+    pub span: Span,
 }
 
 /// A step without a companion.

@@ -10,6 +10,7 @@ pub(crate) mod estimate;
 pub(crate) mod finite;
 pub(crate) mod input_course;
 pub(crate) mod lost_digits;
+pub(crate) mod memory;
 pub(crate) mod pressed;
 pub(crate) mod record;
 pub mod scheme;

@@ -2,10 +2,11 @@
 //! Each predicts the free motion, solves friction on the contact and corrects the body.
 
 use super::companion::{Companion, StagePlace};
+use super::memory::{self, Span, remembering};
 use super::pressed::{Level, PressedStage};
 use super::record::{add_drives, explicit_part};
-use super::workspace::{Velocity, Workspace};
-use crate::contact::law::{Memory, PressedLaw};
+use super::workspace::Workspace;
+use crate::contact::law::PressedLaw;
 use crate::contact::problem::norm;
 use crate::contact::solve::newton::linearisation::Linearisation;
 use crate::contact::solve::{fixed_point, multiplicity, newton};
@@ -42,11 +43,7 @@ fn settle_at(model: &Model, state: &mut State, ws: &mut Workspace, approach: f64
         approach: model.motions().approach(&ws.load),
         velocity: approach,
     };
-    let memory = Span {
-        length: 0.0,
-        step: 0.0,
-    };
-    solve_stage(model, state, ws, (0.0, level, memory), 0)?;
+    solve_stage(model, state, ws, (0.0, level, Span::NOTHING), 0)?;
     ws.velocities[0].store_into(state);
     Ok(())
 }
@@ -78,7 +75,7 @@ pub(crate) fn solve_stages(
         let (index, fraction) = (i + 1, at(stage.instant));
         let length = (stage.instant - before) * k;
         before = stage.instant;
-        let memory = Span {
+        let span = Span {
             length,
             step: if model.tableau().ends_with_stage() {
                 length
@@ -100,7 +97,7 @@ pub(crate) fn solve_stages(
                 approach: motions.approach(&ws.load),
             },
         };
-        solve_stage(model, state, ws, (stage.theta * k, level, memory), index)?;
+        solve_stage(model, state, ws, (stage.theta * k, level, span), index)?;
         ws.velocities[index].store_contact(state);
         let place = StagePlace {
             stage,
@@ -108,6 +105,7 @@ pub(crate) fn solve_stages(
             fraction,
             end: at(1.0),
             level,
+            span,
         };
         companion.stage(model, state, ws, k, place)?;
     }
@@ -179,43 +177,10 @@ fn solve_stage(
         entry[report::AT_ROUNDING] = 1.0;
     }
     correct(model, ws, theta_k, index);
-    remember(model, state, ws, span, index);
+    if index > 0 {
+        memory::advance(model, state, &ws.before, span, &mut ws.velocities[index]);
+    }
     Ok(())
-}
-
-/// What moves the state of a friction law.
-#[derive(Debug, Clone, Copy)]
-struct Span {
-    /// Time over which the state is moved in the stage, s.
-    length: f64,
-    /// Time over which the slip rate of the stage moves it for good, s.
-    step: f64,
-}
-
-/// The states of the friction law that a stage begins with and moves.
-fn memory<'a>(model: &Model, before: &'a Velocity, length: f64) -> Memory<'a> {
-    Memory {
-        states: &before.friction_state,
-        rates: &before.magnitude,
-        length,
-        is_averaged: length > 0.0 && model.tableau().uses_start_velocity(),
-    }
-}
-
-/// The states of the friction law after a stage; a node that is open ages at rest.
-fn remember(model: &Model, state: &State, ws: &mut Workspace, span: Span, index: usize) {
-    if ws.velocities[index].friction_state.is_empty() || index == 0 {
-        return;
-    }
-    let (known, rest) = ws.velocities.split_at_mut(index);
-    let memory = memory(model, &known[index - 1], span.step);
-    let to = &mut rest[0];
-    for (node, (moved, rate)) in to.friction_state.iter_mut().zip(&to.magnitude).enumerate() {
-        let path = memory.path(node);
-        *moved = model
-            .friction()
-            .advance(&state.coefficients, node, path, *rate);
-    }
 }
 
 /// The condensed load of the free motion, relative to what moves, for the explicit part and the inputs in `ws`.
@@ -271,27 +236,12 @@ fn solve_with_pressure(
 ) -> Solved {
     let settings = model.solver();
     let weights = &model.contact().weights;
-    let (known, rest) = ws.velocities.split_at_mut(index.max(1));
-    let mut bounds = model
+    // at a start the state is the one there
+    ws.before.take(&ws.velocities[index.saturating_sub(1)]);
+    let law = model
         .friction()
         .pressed(&state.coefficients, weights, theta_k);
-    // at the start the state is the one there
-    let before = index.saturating_sub(1);
-    let states = &mut ws.memory_states;
-    if !states.0.is_empty() {
-        states.0.copy_from_slice(&known[before].friction_state);
-        states.1.copy_from_slice(&known[before].magnitude);
-        bounds = bounds.remembering(Memory {
-            states: &states.0,
-            rates: &states.1,
-            length: span.length,
-            is_averaged: span.length > 0.0 && model.tableau().uses_start_velocity(),
-        });
-    }
-    let velocity = match index {
-        0 => &mut known[0],
-        _ => &mut rest[0],
-    };
+    let bounds = remembering(law, ws.before.memory(model, span.length));
     let at = PressedStage {
         model,
         stage: ws.stages.current(),
@@ -302,7 +252,7 @@ fn solve_with_pressure(
         slip: &ws.explicit.accumulated_slip,
         displacement: &ws.explicit.normal_displacement,
     };
-    let points = &mut state.main.pressed_point;
+    let (velocity, points) = (&mut ws.velocities[index], &mut state.main.pressed_point);
     let limits = (settings.tolerance(), settings.max_iterations());
     let pressed = ws.pressed.as_mut();
     let found = pressed.map(|pressed| pressed.solve(&at, velocity, points, limits));

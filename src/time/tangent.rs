@@ -10,6 +10,7 @@
 //! refused pair of steps is undone in the tangents too.
 
 use super::companion::{Companion, StagePlace};
+use super::memory::{Span, bound_slopes, remembering, state_slopes};
 use super::pressed::{Level, PressedStage};
 use super::record::{
     add_drives, explicit_part, foundation_energy_slope, integrate, power_of_motions,
@@ -236,6 +237,8 @@ struct Tangents {
     velocity: Vec<f64>,
     force: Vec<f64>,
     gap: Vec<f64>,
+    /// Bounds, by the memory of the law where it has one.
+    bound: Vec<f64>,
 }
 
 impl Tangents {
@@ -266,6 +269,7 @@ impl Tangents {
             velocity: vec![0.0; contact],
             force: vec![0.0; contact],
             gap: vec![0.0; model.contact().node_count()],
+            bound: vec![0.0; State::sizes(model).memory()],
         }
     }
 
@@ -288,7 +292,7 @@ impl Tangents {
             approach,
             velocity: 0.0,
         };
-        self.solve(model, state, ws, (0.0, level), 0)
+        self.solve(model, state, ws, (0.0, level, Span::NOTHING), 0)
     }
 
     /// Tangent of `stage::solve_stage`: of the velocity at `index`, from the explicit parts and inputs in the tangents.
@@ -297,7 +301,7 @@ impl Tangents {
         model: &Model,
         state: &State,
         ws: &mut Workspace,
-        (theta_k, level): (f64, Level),
+        (theta_k, level, span): (f64, Level, Span),
         index: usize,
     ) -> Result<()> {
         let (body, motions) = (model.body(), model.motions());
@@ -305,9 +309,13 @@ impl Tangents {
         let stage = ws.stages.get(body, theta_k, &mut ws.scratch)?;
         let bounds = model.friction().with(&state.coefficients);
         let weights = &model.contact().weights;
-        let pressed_bounds = model
+        let previous = index.saturating_sub(1);
+        ws.before.take(&ws.velocities[previous]);
+        let memory = ws.before.memory(model, span.length);
+        let law = model
             .friction()
             .pressed(&state.coefficients, weights, theta_k);
+        let pressed_bounds = remembering(law, memory);
         let at = PressedStage {
             model,
             stage,
@@ -339,6 +347,16 @@ impl Tangents {
         let has_motions = !motions.is_empty();
         let dr = &mut self.condensed_load;
         for tangent in &mut self.list {
+            if let Some(memory) = &memory {
+                bound_slopes(
+                    (law, memory),
+                    &ws.velocities[index],
+                    &ws.explicit.accumulated_slip,
+                    theta_k,
+                    &tangent.velocities[previous],
+                    &mut self.bound,
+                );
+            }
             let velocity = &mut tangent.velocities[index];
             motions.forces(&tangent.load, &mut self.forces);
             let p = &tangent.explicit.displacement;
@@ -371,6 +389,7 @@ impl Tangents {
                             load: dr,
                             slip,
                             gap: &self.gap,
+                            bound: &self.bound,
                             velocity: &mut self.velocity,
                             force: &mut self.force,
                             magnitude: &mut velocity.magnitude,
@@ -407,6 +426,12 @@ impl Tangents {
                 motions.foundation_forces(reaction, &mut instant.foundation_force);
                 let drive = |drive: usize| load[motions.drive_input(drive)];
                 motions.add_outputs(drive, &mut instant.output_velocity);
+            }
+            if let (Some(memory), true) = (ws.before.memory(model, span.step), index > 0) {
+                let rates = &ws.velocities[index].magnitude;
+                let (known, rest) = tangent.velocities.split_at_mut(index);
+                let (before, to) = (&known[previous], &mut rest[0]);
+                state_slopes(model, state, &memory, rates, before, to);
             }
         }
         Ok(())
@@ -523,7 +548,7 @@ impl Companion for Tangents {
             model,
             state,
             ws,
-            (place.stage.theta * k, place.level),
+            (place.stage.theta * k, place.level, place.span),
             place.index,
         )
     }

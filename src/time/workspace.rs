@@ -1,6 +1,7 @@
 //! Scratch of one simulator: rebuilt at will, never saved, never changes a result.
 
 use super::finite::FiniteCheck;
+use super::memory::Before;
 use super::pressed::PressedScratch;
 use super::scheme::{MAX_STAGES, Tableau};
 use crate::body::{Scratch, StageCache};
@@ -31,7 +32,7 @@ impl Velocity {
             instant: Instant::allocate(&sizes),
             magnitude: vec![0.0; sizes.nodes],
             load: vec![0.0; sizes.inputs],
-            friction_state: vec![0.0; if sizes.has_memory { sizes.nodes } else { 0 }],
+            friction_state: vec![0.0; sizes.memory()],
             can_open: !model.contact().gaps.is_empty(),
         }
     }
@@ -254,8 +255,8 @@ pub(crate) struct Workspace {
     pub approach: [f64; 2],
     /// Scratch of the solver with pressure, where there is one.
     pub pressed: Option<PressedScratch>,
-    /// States of the friction law and slip rates before the stage that is solved, where it has a memory.
-    pub memory_states: (Vec<f64>, Vec<f64>),
+    /// What the memory of the friction law begins with in the stage that is solved.
+    pub before: Before,
     pub condensed_load: Vec<f64>,
     /// Displacement of the last iterate of the fixed point.
     pub last_iterate: Vec<f64>,
@@ -290,10 +291,7 @@ impl Workspace {
             has_settled: false,
             approach: [0.0; 2],
             pressed: contact.has_normal.then(|| PressedScratch::new(model)),
-            memory_states: match model.friction().has_memory() {
-                true => (vec![0.0; nodes], vec![0.0; nodes]),
-                false => (Vec::new(), Vec::new()),
-            },
+            before: Before::new(model),
             velocities: std::array::from_fn(|_| Velocity::new(model)),
             mean: Velocity::new(model),
             explicit: Explicit::new(model),

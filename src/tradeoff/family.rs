@@ -8,7 +8,12 @@ use crate::scene::{Axis, Scene};
 pub const GRADINGS: [f64; 4] = [1.0, 1.5, 2.0, 2.5];
 /// What a scene calls the elements that are tried on its mesh.
 pub fn elements(scene: &Scene) -> impl Iterator<Item = &'static str> {
-    with_contact(scene.mesh.dimension()).map(|element| element.kind.name())
+    with_contact(dimension(scene)).map(|element| element.kind.name())
+}
+
+/// Dimension of a generated mesh; no study takes another.
+pub(super) fn dimension(scene: &Scene) -> usize {
+    scene.mesh.dimension().unwrap_or(2)
 }
 
 /// A way to make meshes of any number of cells.
@@ -55,22 +60,23 @@ impl Family {
 
     /// The one for references: measured on the example scenes, the most accurate at equal cells that have room for it.
     pub fn most_accurate(scene: &Scene) -> Family {
-        let dimension = scene.mesh.dimension();
+        let dimension = dimension(scene);
         let highest = with_contact(dimension).max_by_key(|element| element.order);
         let exponent = match dimension {
             2 => 2.5,
             _ => 1.5,
         };
-        let element = highest.map_or(scene.element, |element| element.kind);
+        let element = highest.map_or(scene.element.unwrap_or_default(), |element| element.kind);
         Family::new(scene, element.name(), exponent)
     }
 }
 
 /// The same exponent along every axis that is not periodic.
 pub fn grading(scene: &Scene, exponent: f64) -> String {
-    let is_periodic = |axis: &Axis| scene.mesh.grid().periodic.contains(axis);
+    let periodic = scene.mesh.grid().map_or(&[][..], |grid| grid.periodic);
+    let is_periodic = |axis: &Axis| periodic.contains(axis);
     let axes = [Axis::X, Axis::Y, Axis::Z];
-    list(axes[..scene.mesh.dimension()].iter().map(|axis| {
+    list(axes[..dimension(scene)].iter().map(|axis| {
         let exponent = if is_periodic(axis) { 1.0 } else { exponent };
         exponent.to_string()
     }))
@@ -79,14 +85,8 @@ pub fn grading(scene: &Scene, exponent: f64) -> String {
 /// The cells of a scene, `factor` times as many along every axis, at least one.
 pub fn cells(scene: &Scene, factor: f64) -> String {
     let scaled = |&n: &u32| (f64::from(n) * factor).round().max(1.0) as u32;
-    list(
-        scene
-            .mesh
-            .grid()
-            .cells
-            .iter()
-            .map(|n| scaled(n).to_string()),
-    )
+    let cells = scene.mesh.grid().map_or(&[][..], |grid| grid.cells);
+    list(cells.iter().map(|n| scaled(n).to_string()))
 }
 
 /// A JSON array without blanks, so that it is one word of a command line.

@@ -17,7 +17,7 @@
 //! An error is a figure only where it is at least ten times the error left in the reference.
 
 use super::errors::{Errors, Quantity};
-use super::family::{Family, cells};
+use super::family::{Family, cells, dimension};
 use super::setting::Setting;
 use super::study::{Candidate, Sample, Study};
 use super::trajectory::Work;
@@ -311,7 +311,7 @@ fn left(levels: &[Level], quantity: Quantity) -> Option<f64> {
 /// The setting of a level, but for the tolerance of the reduction.
 fn setting_of(scene: &Scene, family: &Family, space: u32, time: u32) -> Setting {
     // the contact of a solid is most of its surface: reducing it costs more than all steps of the run
-    let model = match scene.mesh.dimension() {
+    let model = match dimension(scene) {
         3 => "condensed",
         _ => "auto",
     };

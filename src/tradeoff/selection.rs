@@ -7,7 +7,7 @@
 //! largest mesh of the reference and by the multiplications of one run.
 
 use super::errors::Quantity;
-use super::family::{Family, cells};
+use super::family::{Family, cells, dimension};
 use super::reference::{MARGIN, Reference, Refinement, Verdict};
 use super::setting::Setting;
 use super::study::{Study, loosest_reduction};
@@ -116,7 +116,7 @@ fn refusal(scene: &Scene, target: f64, allowed: String) -> Error {
 
 /// Whether the next refinement stays within the bounds.
 fn is_affordable(scene: &Scene, reference: &Reference) -> bool {
-    let dimension = scene.mesh.dimension();
+    let dimension = dimension(scene);
     let (nodes, growth) = match reference.next() {
         Refinement::Time if reference.time().len() > MOST_HALVINGS => return false,
         Refinement::Time => (0, 2.0),

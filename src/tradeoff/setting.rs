@@ -75,7 +75,7 @@ mod tests {
         assert_eq!(setting.changes().len(), 2);
         let changed = setting.apply(&scene).unwrap();
         assert_eq!(changed.time.step, 0.25);
-        assert_eq!(changed.mesh.grid().cells, [4, 2]);
+        assert_eq!(changed.mesh.grid().unwrap().cells, [4, 2]);
         assert_eq!(changed.contact, scene.contact);
         let both = Setting::unchanged().with("time.step", "1").and(&setting);
         assert_eq!(both.changes()[0], ("time.step".into(), "0.25".into()));

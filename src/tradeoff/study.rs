@@ -5,6 +5,7 @@ use super::setting::Setting;
 use super::surface::Surface;
 use super::trajectory::{Trajectory, run};
 use crate::error::{Error, Result};
+use crate::files::NoFiles;
 use crate::model::{Compilation, Model};
 use crate::progress::Watch;
 use crate::scene::{Fidelity, History, Interpolation, Run, Scene, Scheme, Signal, Start, Time};
@@ -53,7 +54,8 @@ impl Study {
     /// A study of a scene on its own signals; a target in it plays no part.
     ///
     /// # Errors
-    /// [`Error::Scene`] for a coefficient of friction that is given per contact node: it belongs to one mesh.
+    /// [`Error::Scene`] for a coefficient of friction that is given per contact node, which belongs to one mesh, and for a mesh from a
+    /// file.
     pub fn new(scene: &Scene) -> Result<Study> {
         if let Some(path) = scene.nodal_coefficient() {
             return Err(Error::Scene {
@@ -61,6 +63,14 @@ impl Study {
                 path,
                 found: "one number per contact node, which belongs to one mesh".into(),
                 allowed: "a number, in scenes whose meshes are compared".into(),
+            });
+        }
+        if scene.mesh.grid().is_none() {
+            return Err(Error::Scene {
+                source_name: "scene".into(),
+                path: "mesh.kind".into(),
+                found: "a mesh from a file, whose cells cannot be varied".into(),
+                allowed: "\"rectangle\" or \"box\", in scenes whose meshes are compared".into(),
             });
         }
         let mut scene = scene.clone();
@@ -116,7 +126,7 @@ impl Study {
             None => {
                 let silent = &mut |_| ControlFlow::Continue(());
                 let compilation =
-                    Compilation::resolved(scene.clone(), None, &mut Watch::new(silent))?;
+                    Compilation::resolved(scene.clone(), &NoFiles, None, &mut Watch::new(silent))?;
                 let surface = Arc::new(Surface::of(&scene, &compilation.body)?);
                 let model = Arc::clone(&compilation.model);
                 let body = Arc::new(Body {

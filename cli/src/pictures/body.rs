@@ -17,8 +17,8 @@ const LONGEST: f64 = 46.0;
 pub struct BodyView {
     pub heading: String,
     pub shape: Shape,
-    /// The corners of the body before the deformation, closed.
-    pub outline: Vec<(f64, f64)>,
+    /// Lines around the body before the deformation.
+    pub outline: Vec<Vec<Place>>,
     /// Amount at the nodes, shown by colour.
     pub amount: Vec<f64>,
     pub scale: Axis,
@@ -36,7 +36,7 @@ impl BodyView {
         canvas: &Canvas<DB>,
         panel: Frame,
     ) -> Result<(), String> {
-        let all = || self.shape.nodes.iter().chain(&self.outline);
+        let all = || self.shape.nodes.iter().chain(self.outline.iter().flatten());
         let extent = |values: &mut dyn Iterator<Item = f64>| {
             values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
                 (l.min(v), h.max(v))
@@ -69,8 +69,10 @@ impl BodyView {
             let line: Vec<_> = outline.iter().map(|p| at(*p)).collect();
             canvas.line(&line, (245, 245, 245), 0.35)?;
         }
-        let outline: Vec<_> = self.outline.iter().map(|p| at(*p)).collect();
-        canvas.dashes(&outline, GREY, 1.2)?;
+        for outline in &self.outline {
+            let line: Vec<_> = outline.iter().map(|p| at(*p)).collect();
+            canvas.dashes(&line, GREY, 1.2)?;
+        }
         self.draw_forces(canvas, &at)?;
         let (x, y) = (panel.left + MARGIN, panel.top + 11.0);
         canvas.heading(&self.heading, (x, y), Anchor::Left)?;

@@ -15,7 +15,7 @@ pub use colours::{BLACK, BLUE, BROWN, Colour, GREEN, GREY, ORANGE, PURPLE, RED, 
 pub use curves::{Curves, Mark, Series};
 pub use map::Map;
 pub use notes::Notes;
-pub use shape::Shape;
+pub use shape::{Place, Shape};
 
 use crate::failure::Failure;
 use canvas::{Canvas, Frame};

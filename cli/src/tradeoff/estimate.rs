@@ -30,7 +30,7 @@ impl Estimate {
         let (nodes, contact) = sizes(scene);
         let friction = 0.03 * contact.powi(3);
         let factorization = match scene.mesh.dimension() {
-            2 => 100.0 * nodes * nodes.sqrt(),
+            Some(2) => 100.0 * nodes * nodes.sqrt(),
             _ => 70.0 * nodes * nodes,
         };
         let (setup, per_step, responses) = match scene.fidelity.model {
@@ -118,7 +118,10 @@ fn steps(scene: &Scene) -> f64 {
 /// Nodes of the mesh and tangential contact components.
 fn sizes(scene: &Scene) -> (f64, f64) {
     let element = scene.element_table();
-    let extent = scene.mesh.extent(element, &scene.contact.part);
-    let components = element.dimension - 1;
-    (extent.nodes as f64, extent.contact * components as f64)
+    let extent = element.and_then(|e| Some((e, scene.mesh.extent(e, &scene.contact.part)?)));
+    // a study takes generated meshes alone
+    extent.map_or((0.0, 0.0), |(element, extent)| {
+        let components = element.dimension - 1;
+        (extent.nodes as f64, extent.contact * components as f64)
+    })
 }

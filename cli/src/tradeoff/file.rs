@@ -48,6 +48,15 @@ fn header() -> Vec<String> {
     names
 }
 
+/// Nodes of a generated mesh; no other is studied.
+fn nodes(scene: &Scene) -> String {
+    let element = scene.element_table();
+    let extent = element.and_then(|e| scene.mesh.extent(e, &scene.contact.part));
+    extent
+        .map(|extent| extent.nodes.to_string())
+        .unwrap_or_default()
+}
+
 fn row(scene: &Scene, point: &Point, fronts: &[Vec<&Point>; 4]) -> Vec<String> {
     let applied = point.setting.apply(scene).ok();
     let applied = applied.as_ref().unwrap_or(scene);
@@ -56,11 +65,7 @@ fn row(scene: &Scene, point: &Point, fronts: &[Vec<&Point>; 4]) -> Vec<String> {
     let mut row = vec![
         point.group.name().to_owned(),
         point.arguments(),
-        applied
-            .mesh
-            .extent(applied.element_table(), &applied.contact.part)
-            .nodes
-            .to_string(),
+        nodes(applied),
         shortest(applied.time.step),
     ];
     row.extend(Quantity::ALL.map(|q| of(point.verdict.of(q).and_then(|m| m.figure()))));

@@ -42,7 +42,7 @@ impl Refined {
             return Err(Error::Scene {
                 source_name: scene.name.clone(),
                 path: "mesh.cells".to_owned(),
-                found: format!("{:?}", scene.mesh.grid().cells),
+                found: format!("{:?}", scene.mesh.grid().map(|grid| grid.cells)),
                 allowed: format!(
                     "fewer: a reference on this mesh would take about {}",
                     gigabytes(bytes)

@@ -43,22 +43,30 @@ impl<'a> PressedLaw<'a> {
         }
     }
 
-    fn at(&self, node: usize, rate: f64, slip: SlipPath, pressure: f64) -> At<'_> {
+    /// The memory of a node.
+    fn memory(&self, node: usize) -> MemoryPath {
+        self.memory
+            .as_ref()
+            .map_or(MemoryPath::NONE, |memory| memory.path(node))
+    }
+
+    fn at(
+        &self,
+        node: usize,
+        rate: f64,
+        slip: SlipPath,
+        (pressure, memory): (f64, MemoryPath),
+    ) -> At<'_> {
         At {
             rate,
             slip,
             coefficients: self.coefficients,
             node,
             pressure,
-            memory: match &self.memory {
-                Some(memory) => memory.path(node),
-                None => MemoryPath::NONE,
-            },
+            memory,
         }
     }
-}
 
-impl PressedLaw<'_> {
     /// Pressure that bounds the friction of a node, and what [`pressing`] says of its normal force.
     fn pressure(&self, node: usize, force: f64) -> (f64, [f64; 2]) {
         let tension = self.coulomb.is_some_and(|coulomb| coulomb.tension);
@@ -74,15 +82,25 @@ impl PressedLaw<'_> {
     /// The value of a formula at a node where it is none that a solution may have; see [`super::ChosenLaw::has_formula`].
     pub fn fault(&self, node: usize, rate: f64, force: f64, slip: SlipPath) -> Option<f64> {
         let (pressure, _) = self.pressure(node, force);
-        self.kind.fault(&self.at(node, rate, slip, pressure))
+        let memory = self.memory(node);
+        self.kind
+            .fault(&self.at(node, rate, slip, (pressure, memory)))
     }
-}
 
-impl PressedBounds for PressedLaw<'_> {
-    fn evaluate(&self, node: usize, rate: f64, force: f64, slip: SlipPath) -> PressedBound {
+    /// The bound of a node with this memory; see [`PressedBounds::evaluate`].
+    pub fn evaluate_with(
+        &self,
+        memory: MemoryPath,
+        node: usize,
+        rate: f64,
+        force: f64,
+        slip: SlipPath,
+    ) -> PressedBound {
         let weight = self.weights[node];
         let (pressure, [pressing, sign]) = self.pressure(node, force);
-        let said = self.kind.value(&self.at(node, rate, slip, pressure));
+        let said = self
+            .kind
+            .value(&self.at(node, rate, slip, (pressure, memory)));
         match &self.coulomb {
             Some(coulomb) => coulomb.bound(node, weight, [pressing, sign], said),
             None => PressedBound {
@@ -91,6 +109,12 @@ impl PressedBounds for PressedLaw<'_> {
                 by_force: sign * said.by_pressure,
             },
         }
+    }
+}
+
+impl PressedBounds for PressedLaw<'_> {
+    fn evaluate(&self, node: usize, rate: f64, force: f64, slip: SlipPath) -> PressedBound {
+        self.evaluate_with(self.memory(node), node, rate, force, slip)
     }
 
     fn weakening(&self, node: usize, force: f64) -> f64 {
@@ -102,6 +126,10 @@ impl PressedBounds for PressedLaw<'_> {
             base: 0.0,
             per_rate: self.per_rate,
         };
-        scale * self.kind.weakening(&self.at(node, 0.0, slip, 0.0))
+        let memory = self.memory(node);
+        scale
+            * self
+                .kind
+                .weakening(&self.at(node, 0.0, slip, (0.0, memory)))
     }
 }

@@ -8,8 +8,10 @@
 //! closed nodes     dv_n = - dgap_base / gap_rate,   dp = S_n dv - dr_n
 //! giving way       dp = - K (dgap_base + gap_rate dv_n),   S_n dv - dp = dr_n
 //! sticking nodes   dv_t = 0,   dlam = dr_t - S_t dv
-//! slipping nodes   S_t dv + dlam = dr_t,   dlam = [B_r n n^T + (B / |v_t|)(I - n n^T)] dv_t + (B_p dp + B_s ds) n
+//! slipping nodes   S_t dv + dlam = dr_t,   dlam = [B_r n n^T + (B / |v_t|)(I - n n^T)] dv_t + (B_p dp + B_s ds + dB) n
 //! ```
+//!
+//! `dB` is what the bound changes by otherwise: by the memory of the law.
 
 use super::problem::{NormalCondition, PressedProblem};
 use crate::contact::SlipPath;
@@ -57,6 +59,8 @@ pub struct Derivatives<'a> {
     /// Of the accumulated slip before the stage, and of the gap at the normal velocity 0; one per node.
     pub slip: &'a [f64],
     pub gap: &'a [f64],
+    /// Of the bound of a node at fixed slip rate, slip and force, N; empty where there is nothing else it depends on.
+    pub bound: &'a [f64],
     /// Of velocities and forces: the result.
     pub velocity: &'a mut [f64],
     pub force: &'a mut [f64],
@@ -116,8 +120,11 @@ impl PressedTangent {
                 Motion::GivesWay(_) => d.load[normal] + dp,
             };
             if let Some(slip) = &node.slip {
+                let bound = d.bound.get(at).copied().unwrap_or(0.0);
                 for (i, row) in problem.tangential(at).enumerate() {
-                    let given = slip.by_force[i] * dp + slip.by_slip[i] * d.slip[at];
+                    let given = slip.by_force[i] * dp
+                        + slip.by_slip[i] * d.slip[at]
+                        + slip.direction[i] * bound;
                     column[(row, 0)] = d.load[row] - given;
                 }
             }
@@ -141,6 +148,7 @@ impl PressedTangent {
             };
             d.magnitude[at] = 0.0;
             let first = problem.tangential(at).start;
+            let bound = d.bound.get(at).copied().unwrap_or(0.0);
             for i in 0..c {
                 let row = first + i;
                 d.force[row] = match &node.slip {
@@ -151,6 +159,7 @@ impl PressedTangent {
                         along.map(|(b, v)| b * v).sum::<f64>()
                             + slip.by_force[i] * d.force[normal]
                             + slip.by_slip[i] * d.slip[at]
+                            + slip.direction[i] * bound
                     }
                 };
             }

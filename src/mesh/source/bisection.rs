@@ -204,7 +204,7 @@ mod tests {
             refine: refinements.to_vec(),
             ..Rectangle::default()
         };
-        source.mesh().unwrap()
+        source.mesh(&crate::files::NoFiles).unwrap()
     }
 
     fn point(from: [f64; 2], size: f64) -> Refinement {

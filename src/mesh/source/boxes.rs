@@ -14,6 +14,7 @@ use super::grid::{Axis, Grid};
 use super::{Extent, MeshSource, RegionBox, regions};
 use crate::element::{Element, linear};
 use crate::error::Result;
+use crate::files::Files;
 use crate::mesh::Mesh;
 use crate::refusal::Verdict;
 use schemars::JsonSchema;
@@ -53,40 +54,9 @@ fn uniform() -> [f64; 3] {
     [1.0; 3]
 }
 
-const BACK: u8 = 16;
-const FRONT: u8 = 32;
-
-impl MeshSource for BoxMesh {
-    fn dimension(&self) -> usize {
-        3
-    }
-
-    fn check(&self, element: &Element) -> Verdict {
-        self.grid().check(element)?;
-        regions::check(&self.regions, 3)
-    }
-
-    fn parts(&self) -> Vec<&str> {
-        self.grid().parts()
-    }
-
-    fn part_fault(&self, part: &str) -> Option<String> {
-        self.grid().part_fault(part)
-    }
-
-    fn regions(&self) -> Vec<&str> {
-        regions::names(&self.regions)
-    }
-
-    fn extent(&self, element: &Element, contact: &str) -> Extent {
-        Extent {
-            nodes: self.grid().nodes(element),
-            refined: 0.0,
-            contact: self.grid().nodes_on(element, contact),
-        }
-    }
-
-    fn grid(&self) -> Grid<'_> {
+impl BoxMesh {
+    /// The grid that the mesh is cut from.
+    fn lattice(&self) -> Grid<'_> {
         Grid {
             size: &self.size,
             cells: &self.cells,
@@ -94,9 +64,48 @@ impl MeshSource for BoxMesh {
             periodic: &self.periodic,
         }
     }
+}
 
-    fn mesh(&self) -> Result<Mesh> {
-        regions::assign(&self.regions, extruded(&self.grid()))
+const BACK: u8 = 16;
+const FRONT: u8 = 32;
+
+impl MeshSource for BoxMesh {
+    fn dimension(&self) -> Option<usize> {
+        Some(3)
+    }
+
+    fn check(&self, element: &Element) -> Verdict {
+        self.lattice().check(element)?;
+        regions::check(&self.regions, 3)
+    }
+
+    fn parts(&self) -> Option<Vec<&str>> {
+        Some(self.lattice().parts())
+    }
+
+    fn part_fault(&self, part: &str) -> Option<String> {
+        self.lattice().part_fault(part)
+    }
+
+    fn regions(&self) -> Option<Vec<&str>> {
+        Some(regions::names(&self.regions))
+    }
+
+    fn extent(&self, element: &Element, contact: &str) -> Option<Extent> {
+        let grid = self.lattice();
+        Some(Extent {
+            nodes: grid.nodes(element),
+            refined: 0.0,
+            contact: grid.nodes_on(element, contact),
+        })
+    }
+
+    fn grid(&self) -> Option<Grid<'_>> {
+        Some(self.lattice())
+    }
+
+    fn mesh(&self, _files: &dyn Files) -> Result<Mesh> {
+        regions::assign(&self.regions, extruded(&self.lattice()))
     }
 }
 

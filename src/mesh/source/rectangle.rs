@@ -8,6 +8,7 @@ use super::refinement::Refinement;
 use super::{Extent, MeshSource, RegionBox, bisection, regions};
 use crate::element::{Element, linear};
 use crate::error::Result;
+use crate::files::Files;
 use crate::mesh::{MAX_NODES, Mesh};
 use crate::message::number;
 use crate::refusal::{Refusal, Verdict};
@@ -51,6 +52,16 @@ fn uniform() -> [f64; 2] {
 }
 
 impl Rectangle {
+    /// The grid that the mesh is cut from.
+    fn lattice(&self) -> Grid<'_> {
+        Grid {
+            size: &self.size,
+            cells: &self.cells,
+            grading: &self.grading,
+            periodic: &self.periodic,
+        }
+    }
+
     fn check_refinements(&self) -> Verdict {
         let smallest = THINNEST * self.size.iter().copied().fold(0.0, f64::max);
         for (i, refinement) in self.refine.iter().enumerate() {
@@ -95,47 +106,43 @@ impl Rectangle {
 }
 
 impl MeshSource for Rectangle {
-    fn dimension(&self) -> usize {
-        2
+    fn dimension(&self) -> Option<usize> {
+        Some(2)
     }
 
     fn check(&self, element: &Element) -> Verdict {
-        self.grid().check(element)?;
+        self.lattice().check(element)?;
         self.check_refinements()?;
         regions::check(&self.regions, 2)
     }
 
-    fn parts(&self) -> Vec<&str> {
-        self.grid().parts()
+    fn parts(&self) -> Option<Vec<&str>> {
+        Some(self.lattice().parts())
     }
 
     fn part_fault(&self, part: &str) -> Option<String> {
-        self.grid().part_fault(part)
+        self.lattice().part_fault(part)
     }
 
-    fn regions(&self) -> Vec<&str> {
-        regions::names(&self.regions)
+    fn regions(&self) -> Option<Vec<&str>> {
+        Some(regions::names(&self.regions))
     }
 
-    fn extent(&self, element: &Element, contact: &str) -> Extent {
-        Extent {
-            nodes: self.grid().nodes(element),
+    fn extent(&self, element: &Element, contact: &str) -> Option<Extent> {
+        let grid = self.lattice();
+        Some(Extent {
+            nodes: grid.nodes(element),
             refined: self.refine.iter().map(Refinement::nodes).sum(),
-            contact: self.grid().nodes_on(element, contact),
-        }
+            contact: grid.nodes_on(element, contact),
+        })
     }
 
-    fn grid(&self) -> Grid<'_> {
-        Grid {
-            size: &self.size,
-            cells: &self.cells,
-            grading: &self.grading,
-            periodic: &self.periodic,
-        }
+    fn grid(&self) -> Option<Grid<'_>> {
+        Some(self.lattice())
     }
 
-    fn mesh(&self) -> Result<Mesh> {
-        let [x, y] = self.grid().lines();
+    fn mesh(&self, _files: &dyn Files) -> Result<Mesh> {
+        let [x, y] = self.lattice().lines();
         let mut plane = CrissCross::new(&x, &y, &self.periodic);
         bisection::refine(&mut plane, &self.refine)?;
         let cells = plane.triangles.into_iter().flatten().collect();
@@ -162,13 +169,14 @@ impl Default for Rectangle {
 /// An ungraded rectangle.
 #[cfg(test)]
 pub(in crate::mesh) fn ungraded(size: [f64; 2], cells: [u32; 2], periodic: &[Axis]) -> Mesh {
+    use crate::files::NoFiles;
     let source = Rectangle {
         size,
         cells,
         periodic: periodic.to_vec(),
         ..Rectangle::default()
     };
-    source.mesh().expect("nothing to refine")
+    source.mesh(&NoFiles).expect("nothing to refine")
 }
 
 #[cfg(test)]

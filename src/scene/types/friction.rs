@@ -48,8 +48,8 @@ impl Friction {
         let mut all = (0..self.coefficients.len()).filter(of_cohesion);
         all.all(|i| match &self.coefficients[i] {
             Given::Number(value) => *value == 0.0,
-            Given::Nodes(values) => values.iter().all(|value| *value == 0.0),
-            _ => false,
+            Given::Nodes(values) => values.iter().all(|v| *v == 0.0),
+            given => *given == Given::Absent,
         })
     }
 }

@@ -6,8 +6,8 @@ use super::check_vector;
 use crate::message::cut;
 use crate::refusal::{Refusal, Verdict, ensure, json};
 
-pub(super) fn check_mesh(scene: &Scene) -> Verdict {
-    let element = scene.element_table();
+pub(super) fn check_mesh(scene: &Scene, dimension: Option<usize>) -> Verdict {
+    let element = scene.element_in(dimension.unwrap_or(2));
     if let Some((found, allowed)) = element.contact_fault() {
         return Err(Refusal::new("element", found, allowed));
     }
@@ -15,7 +15,7 @@ pub(super) fn check_mesh(scene: &Scene) -> Verdict {
 }
 
 /// One material for the whole body, or one for every region.
-pub(super) fn check_materials(scene: &Scene) -> Verdict {
+pub(super) fn check_materials(scene: &Scene, dimension: Option<usize>) -> Verdict {
     let regions = scene.mesh.source().regions();
     let materials = scene.materials();
     ensure(!materials.is_empty(), || {
@@ -39,10 +39,12 @@ pub(super) fn check_materials(scene: &Scene) -> Verdict {
     for (i, material) in materials.iter().enumerate() {
         if let Some(region) = material.region {
             let path = format!("{}.region", material.path);
-            ensure(regions.contains(&region), || {
-                let allowed = format!("the regions {}", cut(&regions.join(", ")));
-                Refusal::new(&path, json(region), allowed)
-            })?;
+            if let Some(regions) = &regions {
+                ensure(regions.contains(&region), || {
+                    let allowed = format!("the regions {}", cut(&regions.join(", ")));
+                    Refusal::new(&path, json(region), allowed)
+                })?;
+            }
             ensure(
                 materials[..i].iter().all(|m| m.region != Some(region)),
                 || {
@@ -51,9 +53,9 @@ pub(super) fn check_materials(scene: &Scene) -> Verdict {
                 },
             )?;
         }
-        material
-            .operators
-            .check(scene.mesh.dimension(), &material.path)?;
+        if let Some(dimension) = dimension {
+            material.operators.check(dimension, &material.path)?;
+        }
     }
     // whether cells are left to the region of no box, the mesh knows
     let has_material = |region: &&str| {
@@ -62,7 +64,8 @@ pub(super) fn check_materials(scene: &Scene) -> Verdict {
                 .iter()
                 .any(|m| m.region.is_none_or(|of| of == *region))
     };
-    match regions.iter().find(|region| !has_material(region)) {
+    let known = regions.unwrap_or_default();
+    match known.iter().find(|region| !has_material(region)) {
         None => Ok(()),
         Some(region) => {
             let found = format!("none for the region {:?}", cut(region));
@@ -102,12 +105,12 @@ pub(super) fn check_clamped(scene: &Scene) -> Verdict {
     Ok(())
 }
 
-pub(super) fn check_contact(scene: &Scene) -> Verdict {
+pub(super) fn check_contact(scene: &Scene, dimension: Option<usize>) -> Verdict {
     let (mesh, contact) = (&scene.mesh, &scene.contact);
     check_part(mesh, &contact.part, "contact.part")?;
     friction::check(scene)?;
     if let Some(tangent) = &contact.tangent {
-        check_vector(mesh, tangent, "contact.tangent")?;
+        check_vector(dimension, tangent, "contact.tangent")?;
     }
     Ok(())
 }

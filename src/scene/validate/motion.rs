@@ -57,15 +57,15 @@ pub(super) fn check_condition(scene: &Scene) -> Verdict {
     })
 }
 
-pub(super) fn check_foundation(scene: &Scene) -> Verdict {
+pub(super) fn check_foundation(scene: &Scene, dimension: Option<usize>) -> Verdict {
     for (i, motion) in scene.contact.foundation.iter().enumerate() {
         let path = format!("contact.foundation[{i}]");
         match motion {
             Foundation::Sliding { direction, .. } => {
-                check_vector(&scene.mesh, direction, &format!("{path}.direction"))?;
+                check_vector(dimension, direction, &format!("{path}.direction"))?;
             }
             Foundation::Rotation { centre, axis, .. } => {
-                check_axis(scene, centre, axis.as_deref(), &path)?;
+                check_axis(dimension, centre, axis.as_deref(), &path)?;
             }
             Foundation::Approach { .. } => {}
         }
@@ -73,7 +73,7 @@ pub(super) fn check_foundation(scene: &Scene) -> Verdict {
     Ok(())
 }
 
-pub(super) fn check_driven(scene: &Scene) -> Verdict {
+pub(super) fn check_driven(scene: &Scene, dimension: Option<usize>) -> Verdict {
     ensure(
         !scene.clamped.is_empty() || !scene.driven.is_empty(),
         || {
@@ -97,12 +97,12 @@ pub(super) fn check_driven(scene: &Scene) -> Verdict {
                 Refusal::new(&path, found, allowed)
             })?;
         }
-        check_directions(scene, driven, &format!("driven[{i}].directions"))?;
+        check_directions(dimension, driven, &format!("driven[{i}].directions"))?;
     }
     Ok(())
 }
 
-fn check_directions(scene: &Scene, driven: &Driven, path: &str) -> Verdict {
+fn check_directions(dimension: Option<usize>, driven: &Driven, path: &str) -> Verdict {
     ensure(!driven.directions.is_empty(), || {
         Refusal::new(path, "{}", "at least one direction with its name")
     })?;
@@ -111,7 +111,7 @@ fn check_directions(scene: &Scene, driven: &Driven, path: &str) -> Verdict {
         let path = format!("{path}.{}", cut(name));
         match direction {
             DrivenDirection::Translation(vector) => {
-                check_vector(&scene.mesh, vector, &path)?;
+                check_vector(dimension, vector, &path)?;
                 let is_orthogonal = |other: &&[f64]| {
                     let product: f64 = other.iter().zip(vector).map(|(a, b)| a * b).sum();
                     let lengths = super::length(other) * super::length(vector);
@@ -124,25 +124,30 @@ fn check_directions(scene: &Scene, driven: &Driven, path: &str) -> Verdict {
                 vectors.push(vector);
             }
             DrivenDirection::Rotation(RotationAxis { centre, axis }) => {
-                check_axis(scene, centre, axis.as_deref(), &path)?;
+                check_axis(dimension, centre, axis.as_deref(), &path)?;
             }
         }
     }
     Ok(())
 }
 
-/// A point and, in three dimensions, a direction.
-fn check_axis(scene: &Scene, centre: &[f64], axis: Option<&[f64]>, path: &str) -> Verdict {
-    check_dimension(&scene.mesh, centre, &format!("{path}.centre"))?;
+/// A point and, in three dimensions, a direction; where the dimension is not known yet, that waits.
+fn check_axis(
+    dimension: Option<usize>,
+    centre: &[f64],
+    axis: Option<&[f64]>,
+    path: &str,
+) -> Verdict {
+    check_dimension(dimension, centre, &format!("{path}.centre"))?;
     let path = format!("{path}.axis");
-    match (axis, scene.mesh.dimension()) {
-        (None, 2) => Ok(()),
-        (Some(axis), 2) => Err(Refusal::new(
+    match (axis, dimension) {
+        (_, None) | (None, Some(2)) => Ok(()),
+        (Some(axis), Some(2)) => Err(Refusal::new(
             path,
             json(&axis),
             "nothing in 2D: the axis is z",
         )),
         (None, _) => Err(Refusal::new(path, "nothing", "a direction of 3 numbers")),
-        (Some(axis), _) => check_vector(&scene.mesh, axis, &path),
+        (Some(axis), _) => check_vector(dimension, axis, &path),
     }
 }
