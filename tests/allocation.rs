@@ -100,3 +100,26 @@ fn steps_allocate_nothing() {
         assert_eq!(COUNT.with(Cell::get) - before, 0, "{overrides:?}");
     }
 }
+
+/// Nor does one of a law that is a formula, has a state, or a surface of values.
+#[test]
+fn steps_of_other_laws_allocate_nothing() {
+    let formula = r#"{"law": "bound", "bound": {"kind": "expression", "formula": "0.001 + 0.002 * exp(-r / 0.05) / (1 + s^2)"}}"#;
+    let state = r#"{"law": "coulomb", "coefficient": {"kind": "rate_and_state", "coefficient": 0.4, "a": 0.02, "b": 0.01, "rate": 1e-3, "distance": 0.01, "evolution": "aging"}, "cohesion": 1e-3}"#;
+    let surface = r#"{"law": "bound", "bound": {"kind": "table", "rate": [0, 0.1, 1], "slip": [0, 0.05], "value": [[0.003, 0.002], [0.002, 0.001], [0.002, 0.002]]}}"#;
+    for friction in [formula, state, surface] {
+        let overrides = [("contact.friction", friction), ("time.scheme", "tr_bdf2")];
+        let mut simulator = Simulator::new(compile(&paper(16, &overrides)).unwrap());
+        simulator.init(0.0).unwrap();
+        let mut outputs = vec![0.0; simulator.output_len()];
+        let before = COUNT.with(Cell::get);
+        for n in 0..60_u32 {
+            let load = -0.3 + 0.1 * f64::from(n).sin();
+            simulator.set_inputs(&[load]).unwrap();
+            let step = 0.002 * f64::from(1 + n % 5);
+            simulator.do_step(simulator.time(), step).unwrap();
+            simulator.get_outputs(&mut outputs).unwrap();
+        }
+        assert_eq!(COUNT.with(Cell::get) - before, 0, "{friction}");
+    }
+}

@@ -6,14 +6,16 @@ use super::memory::{self, Span, remembering};
 use super::pressed::{Level, PressedStage};
 use super::record::{add_drives, explicit_part};
 use super::workspace::Workspace;
-use crate::contact::ContactProblem;
+use crate::contact::law::PressedLaw;
+use crate::contact::problem::norm;
 use crate::contact::solve::newton::linearisation::Linearisation;
 use crate::contact::solve::{fixed_point, multiplicity, newton};
+use crate::contact::{ContactProblem, SlipPath};
 use crate::error::{Error, Result};
 use crate::linalg::multiply;
 use crate::model::{Model, SolverSettings};
 use crate::scene::{Condition, Start};
-use crate::state::{State, report};
+use crate::state::{Instant, State, report};
 
 /// Makes velocity and contact forces consistent with the inputs of this instant: the inequality at fixed displacement.
 /// `approach` is the velocity of the foundation towards the body.
@@ -162,6 +164,9 @@ fn solve_stage(
             node: solved.node,
         });
     }
+    if let Some(fault) = solved.fault {
+        return Err(fault);
+    }
     if model.has_multiplicity_test() && ws.pressed.is_none() {
         test_multiplicity(model, state, ws, theta_k, index);
     }
@@ -207,6 +212,8 @@ struct Solved {
     node: usize,
     converged: bool,
     is_at_rounding: bool,
+    /// Why the solution is none.
+    fault: Option<Error>,
 }
 
 impl Solved {
@@ -216,6 +223,7 @@ impl Solved {
         node: 0,
         converged: false,
         is_at_rounding: false,
+        fault: None,
     };
 }
 
@@ -248,12 +256,37 @@ fn solve_with_pressure(
     let limits = (settings.tolerance(), settings.max_iterations());
     let pressed = ws.pressed.as_mut();
     let found = pressed.map(|pressed| pressed.solve(&at, velocity, points, limits));
+    let fault = match model.friction().has_formula() {
+        true => fault_of_formula(&at, &bounds, &velocity.instant),
+        false => None,
+    };
     found.map_or(Solved::NOTHING, |found| Solved {
         iterations: found.iterations,
         residual: found.residual,
         node: found.node,
         converged: found.converged,
         is_at_rounding: found.is_at_rounding,
+        fault,
+    })
+}
+
+/// The first node of a solution where a formula gives no value that friction can have.
+fn fault_of_formula(at: &PressedStage, bounds: &PressedLaw, solution: &Instant) -> Option<Error> {
+    let components = at.model.contact().components;
+    let mut rates = solution.slip_rate.chunks_exact(components).map(norm);
+    let (node, found) = (0..at.slip.len()).find_map(|node| {
+        let slip = SlipPath {
+            base: at.slip[node],
+            per_rate: at.theta_k,
+        };
+        let found = bounds.fault(node, rates.next()?, solution.normal_force[node], slip);
+        found.map(|found| (node, found))
+    })?;
+    let path = at.model.friction().law().path(0);
+    Some(Error::Value {
+        what: format!("the value of {path} at contact node {node}"),
+        found,
+        allowed: "a finite number >= 0",
     })
 }
 
@@ -334,6 +367,7 @@ fn solve_without_pressure(
         node: solution.node,
         converged: solution.converged,
         is_at_rounding: solution.is_at_rounding,
+        fault: None,
     }
 }
 

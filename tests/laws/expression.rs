@@ -2,7 +2,7 @@
 
 use crate::STILL;
 use crate::common::random::Random;
-use crate::common::{paper, started, value, values};
+use crate::common::{largest, paper, started, value, values};
 use serde_json::json;
 use stickslip::contact::SlipPath;
 use stickslip::contact::law::{ChosenLaw, Given, Law, Role};
@@ -119,25 +119,49 @@ fn formulas_know_place_and_pressure() {
     }
 }
 
-/// A value below zero that only a step can meet is NaN, and so are its derivatives: no solver accepts it.
+/// How fast a law weakens is that of its worst node; before the nodes are known nothing is said of them, and nothing panics.
 #[test]
-fn a_negative_value_is_not_a_number() {
+fn the_steepest_fall_is_that_of_the_worst_node() {
+    let points = [[0.1, 0.0, 0.0], [0.4, 0.0, 0.0], [0.2, 0.0, 0.0]];
+    let chosen = law(Role::Bound, "0.5 + x * exp(-r)", &points);
+    assert!((chosen.bounds().weakening(0.0) - 0.4).abs() < 1e-15);
+    let kind = Law::find(Role::Bound, "expression").unwrap();
+    let given = [Given::Formula("0.5 + x * exp(-r)".to_owned())];
+    let unknown = ChosenLaw::new(kind, &given, None).unwrap();
+    let bounds = unknown.pressed(unknown.start(), &[1.0, 1.0], 0.0);
+    assert!(bounds.evaluate(1, 0.1, 1.0, STILL).bound.is_nan());
+    let kind = Law::find(Role::Bound, "rate_and_state").unwrap();
+    let mut given: Vec<Given> = [0.4, 0.02, 0.03, 1e-3, 0.01].map(Given::Number).to_vec();
+    given[4] = Given::Expression("0.01 * x".to_owned());
+    given.extend([Given::Choice(0), Given::Absent]);
+    let unknown = ChosenLaw::new(kind, &given, None).unwrap();
+    assert!(unknown.has_memory());
+    assert!(unknown.initial_state(unknown.start(), 2).unwrap().is_nan());
+}
+
+/// A value below zero that only a step can meet is cut at zero on the way, and told; one that is no number is none.
+#[test]
+fn a_negative_value_is_cut_and_told() {
+    let still = |base| SlipPath {
+        base,
+        per_rate: 0.0,
+    };
     let chosen = law(Role::Bound, "0.5 - s", &[[0.0; 3]]);
     let bounds = chosen.pressed(chosen.start(), &[1.0], 0.0);
-    let at = |base| {
-        bounds.evaluate(
-            0,
-            0.1,
-            1.0,
-            SlipPath {
-                base,
-                per_rate: 0.0,
-            },
-        )
-    };
-    assert_eq!(at(0.25).bound, 0.25);
-    let found = at(0.75);
+    assert!(chosen.has_formula());
+    assert_eq!(bounds.evaluate(0, 0.1, 1.0, still(0.25)).bound, 0.25);
+    assert_eq!(bounds.fault(0, 0.1, 1.0, still(0.25)), None);
+    let found = bounds.evaluate(0, 0.1, 1.0, still(0.75));
+    assert_eq!(
+        (found.bound, found.by_rate, found.by_force),
+        (0.0, 0.0, 0.0)
+    );
+    assert_eq!(bounds.fault(0, 0.1, 1.0, still(0.75)), Some(-0.25));
+    let chosen = law(Role::Bound, "0.5 + 0 * ln(1 - s)", &[[0.0; 3]]);
+    let bounds = chosen.pressed(chosen.start(), &[1.0], 0.0);
+    let found = bounds.evaluate(0, 0.1, 1.0, still(2.0));
     assert!(found.bound.is_nan() && found.by_rate.is_nan() && found.by_force.is_nan());
+    assert!(bounds.fault(0, 0.1, 1.0, still(2.0)).unwrap().is_nan());
 }
 
 /// Coefficients as formulas of the place are those at the contact nodes: the same steps as with the numbers themselves.
@@ -204,5 +228,74 @@ fn expressions_with_wrong_values_are_refused_with_the_node() {
     assert!(
         found.parse::<f64>().unwrap() < 1.0 && allowed.contains("at least b = 1"),
         "{found} {allowed}"
+    );
+}
+
+/// A bound in Pa that is written out is the law itself in a whole scene, with the solver that its formula needs.
+#[test]
+fn a_scene_with_a_formula_moves_as_with_the_law() {
+    let law = json!({"law": "exponential", "a": 0.003, "b": 0.001, "alpha": 20.0});
+    let written = json!({"law": "bound", "bound": {"kind": "expression", "formula": "0.001 + 0.002 * exp(-20 * r)"}});
+    for scheme in ["trapezoid", "backward_euler", "tr_bdf2"] {
+        let mut simulators = [&law, &written].map(|friction| {
+            let overrides = [
+                ("contact.friction", friction.to_string()),
+                ("time.scheme", scheme.to_owned()),
+            ];
+            let overrides = overrides
+                .each_ref()
+                .map(|(path, value)| (*path, value.as_str()));
+            started(compile(&paper(8, &overrides)).unwrap())
+        });
+        for _ in 0..16 {
+            let all = simulators.each_mut().map(|simulator| {
+                simulator.do_step(simulator.time(), 1.0 / 32.0).unwrap();
+                values(simulator, "contact.slip_rate")
+            });
+            let scale = largest(&all[0]);
+            assert!(scale > 0.0);
+            for (one, other) in all[0].iter().zip(&all[1]) {
+                assert!(
+                    (one - other).abs() <= 1e-7 * scale,
+                    "{scheme}: {one:e} {other:e}"
+                );
+            }
+        }
+    }
+}
+
+/// A step that meets a negative value fails, says so, and leaves the state as it was.
+#[test]
+fn a_step_that_meets_a_negative_value_changes_nothing() {
+    let written =
+        json!({"law": "bound", "bound": {"kind": "expression", "formula": "0.002 - 0.2 * s"}});
+    let scene = paper(8, &[("contact.friction", &written.to_string())]);
+    let mut simulator = started(compile(&scene).unwrap());
+    let mut steps = 0;
+    let (before, error) = loop {
+        let before = simulator.state().clone();
+        match simulator.do_step(simulator.time(), 1.0 / 256.0) {
+            Ok(()) => steps += 1,
+            Err(error) => break (before, error),
+        }
+        assert!(
+            steps < 200,
+            "slip {:?}",
+            values(&simulator, "contact.accumulated_slip")
+        );
+    };
+    println!("after {steps} steps: {error}");
+    let text = error.to_string();
+    let is_named = text.contains("contact.friction.bound.formula at contact node");
+    assert!(
+        matches!(error, Error::Value { found, .. } if found < 0.0) && is_named,
+        "{text}"
+    );
+    assert!(steps > 0);
+    assert!(*simulator.state() == before);
+    let slips = values(&simulator, "contact.accumulated_slip");
+    assert!(
+        largest(&slips) <= 0.01 && largest(&slips) > 1e-5,
+        "{slips:?}"
     );
 }

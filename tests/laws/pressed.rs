@@ -7,7 +7,7 @@ use stickslip::contact::SlipPath;
 use stickslip::contact::bounds::Bounds;
 use stickslip::contact::law::{ChosenLaw, Given, Law, Memory, Role};
 use stickslip::contact::pressed::PressedBounds;
-use stickslip::{Error, Scene, compile};
+use stickslip::{Error, Scene};
 
 const NODES: usize = 5;
 /// Growth of the accumulated slip by the slip rate, s.
@@ -344,15 +344,4 @@ fn coefficients_of_coulombs_law_have_their_own_units_and_paths() {
             "{error}"
         );
     }
-}
-
-/// No solver ignores the pressure that a law needs.
-#[test]
-fn a_law_that_needs_pressure_is_not_solved_without_it() {
-    let scene = friction(r#"{"law": "coulomb", "coefficient": 0.3}"#).unwrap();
-    let error = compile(&scene).err().unwrap().to_string();
-    assert!(
-        error.contains("contact.friction.law") && error.contains("pressure"),
-        "{error}"
-    );
 }

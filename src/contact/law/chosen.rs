@@ -21,7 +21,7 @@ pub struct ChosenLaw {
 
 impl ChosenLaw {
     /// The law with its coefficients, each within its range, on contact nodes with these coordinates, m. Where the nodes are not
-    /// known yet, fields are only compared with each other and expressions only parsed; the result then says nothing of nodes.
+    /// known yet, fields are only compared with each other, and expressions, which are only parsed, are NaN.
     ///
     /// # Errors
     /// A field that has not one number per node, a text that is no formula or gives numbers out of the range, a coefficient that
@@ -55,11 +55,16 @@ impl ChosenLaw {
                         words: None,
                     });
                 }
-                Given::Expression(_) => check_range(law, coefficient, &values)?,
+                Given::Expression(_) if points.is_some() => check_range(law, coefficient, &values)?,
                 Given::Formula(text) => formula = Some(Formula::new(text, coefficient, points)?),
                 _ => {}
             }
-            places.push(Place::new(start.len(), given, count));
+            places.push(match given {
+                Given::Expression(_) if points.is_none() => {
+                    Place::new(start.len(), &Given::Number(f64::NAN), 1)
+                }
+                _ => Place::new(start.len(), given, count),
+            });
             start.extend_from_slice(&values);
         }
         let chosen = ChosenLaw {
@@ -68,10 +73,7 @@ impl ChosenLaw {
             start,
             formula,
         };
-        let is_known = points.is_some() || !given.iter().any(|g| matches!(g, Given::Expression(_)));
-        if is_known {
-            law.kind().check(chosen.coefficients(&chosen.start))?;
-        }
+        law.kind().check(chosen.coefficients(&chosen.start))?;
         Ok(chosen)
     }
 
@@ -101,6 +103,11 @@ impl ChosenLaw {
     pub fn needs_pressure(&self) -> bool {
         let is_coulomb = matches!(self.law.role(), Role::Coulomb { .. });
         is_coulomb || !self.law.kind().has_potential()
+    }
+
+    /// Whether the law is a formula, whose value at a solution is to be checked with [`PressedLaw::fault`].
+    pub fn has_formula(&self) -> bool {
+        self.formula.is_some()
     }
 
     /// Whether every node has a state: then [`PressedLaw::remembering`] gives the bounds their memory.

@@ -1,7 +1,7 @@
 //! Coefficients of friction laws: how a law declares them, and their values as fields over the contact nodes.
 
-use super::Role;
 use super::formula::{Formula, field};
+use super::misfit::{Misfit, Wrong};
 use crate::message::number;
 use std::borrow::Cow;
 
@@ -78,12 +78,20 @@ impl Unit {
         coefficient: "s/m",
     };
 
-    /// The unit in this role.
-    pub fn in_role(self, role: Role) -> &'static str {
-        match (self, role) {
-            (Unit::Own(unit), _) => unit,
-            (Unit::OfUse { coefficient, .. }, Role::Coulomb { .. }) => coefficient,
-            (Unit::OfUse { bound, .. }, Role::Own | Role::Bound) => bound,
+    /// The unit in a bound.
+    pub fn in_bound(self) -> &'static str {
+        match self {
+            Unit::Own(unit) | Unit::OfUse { bound: unit, .. } => unit,
+        }
+    }
+
+    /// The unit in a coefficient of friction.
+    pub fn in_coefficient(self) -> &'static str {
+        match self {
+            Unit::Own(unit)
+            | Unit::OfUse {
+                coefficient: unit, ..
+            } => unit,
         }
     }
 }
@@ -154,7 +162,7 @@ pub enum Given {
 }
 
 impl Given {
-    /// The numbers on contact nodes with these coordinates; those of an expression are not known without.
+    /// The numbers on contact nodes with these coordinates; of an expression one NaN where the nodes are not known.
     pub(super) fn values(
         &self,
         coefficient: usize,
@@ -166,7 +174,8 @@ impl Given {
                 Cow::Borrowed(values)
             }
             Given::Expression(text) => {
-                Cow::Owned(field(text, coefficient, points.unwrap_or_default())?)
+                let nowhere: &[[f64; 3]] = &[[f64::NAN; 3]];
+                Cow::Owned(field(text, coefficient, points.unwrap_or(nowhere))?)
             }
             Given::Choice(_) | Given::Formula(_) | Given::Absent => Cow::Borrowed(&[]),
         })
@@ -340,7 +349,8 @@ impl<'a> Coefficients<'a> {
 
     /// Nodes at which the coefficients differ: the first one alone where the law is the same at all nodes.
     pub fn distinct_nodes(&self) -> std::ops::Range<usize> {
-        0..self.nodal_lengths().max().unwrap_or(1)
+        let of_formula = self.formula.map_or(1, Formula::nodes);
+        0..self.nodal_lengths().fold(of_formula, usize::max)
     }
 
     /// The rule that one coefficient is at least as large as another at every node; `rule` says so with their names.
@@ -375,37 +385,4 @@ impl<'a> Coefficients<'a> {
         }
         Ok(())
     }
-}
-
-/// Where a coefficient is wrong.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Wrong {
-    /// The number that is that of all nodes.
-    Number,
-    /// The number of a node, or the point of a curve.
-    Entry(usize),
-    /// How many numbers there are.
-    Count,
-    /// How many rows there are.
-    Rows,
-    /// How many numbers a row has.
-    Row(usize),
-}
-
-/// Why coefficients do not fit each other.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Misfit {
-    /// The coefficient that is wrong.
-    pub coefficient: usize,
-    pub wrong: Wrong,
-    /// The number, or how many there are.
-    pub found: f64,
-    /// The rule that is violated, as a formula.
-    pub rule: &'static str,
-    /// What it may be beside the others.
-    pub allowed: String,
-    /// The coefficient that it does not fit, and its value.
-    pub beside: Option<(usize, f64)>,
-    /// What was found, where it is not a number or one that needs words.
-    pub words: Option<String>,
 }

@@ -1,8 +1,9 @@
 //! A value that a scene writes out as a formula of slip rate, accumulated slip, pressure and place (`formula`), with exact
 //! derivatives. It has no potential. L is the steepest fall among samples: close to the largest one of a smooth curve, but no bound.
 //!
-//! A value below zero or not finite is refused when the scene is compiled where samples of the slip rate find it. Where a step
-//! finds one, the law says NaN: the step fails as one whose forces overflow, and the state is as it was.
+//! A value below zero or not finite is refused when the scene is compiled where samples of the slip rate find it. Elsewhere a value
+//! below zero is cut at zero on a solver's way, and a solution that lies there is refused: the step fails, and the state is as it
+//! was. One that is not finite fails as forces that overflow.
 
 use super::{At, Coefficient, Coefficients, Extent, FrictionLaw, Range, Unit, Value};
 use crate::contact::evaluation::Evaluation;
@@ -57,6 +58,12 @@ impl FrictionLaw for Expression {
             by_rate: by_rate + at.slip.per_rate * by_slip,
             by_pressure,
         }
+    }
+
+    fn fault(&self, at: &At) -> Option<f64> {
+        let slip = at.slip.base + at.slip.per_rate * at.rate;
+        let formula = at.coefficients.formula()?;
+        formula.fault(at.node, at.rate, slip, at.pressure)
     }
 
     fn slip_slope(&self, at: &At) -> f64 {

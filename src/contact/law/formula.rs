@@ -1,6 +1,6 @@
 //! The formula of a law that a scene writes out: its program, the contact nodes that it is about, what samples say of its curve.
 
-use super::{Misfit, Wrong};
+use super::misfit::{Misfit, Wrong};
 use crate::expression::{Fault, Program};
 use crate::message::number;
 
@@ -14,7 +14,9 @@ pub const COORDINATES: [&str; 3] = ["x", "y", "z"];
 /// so many in a decade.
 const RATES: Samples = Samples(-9, 3, 40);
 const SLIPS: Samples = Samples(-6, 1, 1);
-const PRESSURES: Samples = Samples(0, 9, 1);
+const PRESSURES: Samples = Samples(3, 9, 2);
+/// Samples of the slip rate beside slip or pressure.
+const FEW_RATES: Samples = Samples(-9, 3, 4);
 
 #[derive(Clone, Copy)]
 struct Samples(i32, i32, i32);
@@ -55,7 +57,8 @@ pub struct Said {
 }
 
 impl Formula {
-    /// The formula of a coefficient of a law; where the nodes are not known yet and it depends on them, it is only parsed.
+    /// The formula of a coefficient of a law; where the nodes are not known yet and it depends on them, it is only
+    /// parsed, and NaN.
     ///
     /// # Errors
     /// A text that is no formula; values that are negative or not finite, or infinite slopes, at a sample of the slip rate before
@@ -68,9 +71,10 @@ impl Formula {
         let program =
             Program::parse(text, &VARIABLES).map_err(|fault| of_fault(coefficient, fault))?;
         let is_local = (FIRST_COORDINATE..VARIABLES.len()).any(|place| program.uses(place));
+        let is_known = points.is_some() || !is_local;
         let points = match points {
             Some(points) if is_local => points.to_vec(),
-            None if is_local => Vec::new(),
+            None if is_local => vec![[f64::NAN; 3]],
             _ => vec![[0.0; 3]],
         };
         let mut formula = Formula {
@@ -79,24 +83,35 @@ impl Formula {
             curves: Vec::new(),
         };
         for node in 0..formula.points.len() {
-            formula.check(node, is_local, coefficient)?;
+            if is_known {
+                formula.check(node, is_local, coefficient)?;
+            }
             let curve = formula.sample(node);
             formula.curves.push(curve);
         }
         Ok(formula)
     }
 
+    /// How many nodes differ.
+    pub fn nodes(&self) -> usize {
+        self.points.len()
+    }
+
     fn place(&self, node: usize) -> usize {
         if self.points.len() == 1 { 0 } else { node }
     }
 
-    /// Value and slopes at a node; NaN where the value is negative or not finite.
+    /// Value and slopes at a node. Below zero the value is cut there, so that a solver may pass on its way to values that it can
+    /// accept ([`Formula::fault`]); NaN where it is not finite.
     pub fn at(&self, node: usize, rate: f64, slip: f64, pressure: f64) -> Said {
         let [x, y, z] = self.points[self.place(node)];
-        let (value, slopes) = self
-            .program
-            .derivatives([rate, slip, pressure, x, y, z].as_slice());
-        if value >= 0.0 && value.is_finite() {
+        let (value, slopes) = self.program.derivatives(&[rate, slip, pressure, x, y, z]);
+        if value < 0.0 {
+            Said {
+                value: 0.0,
+                slopes: [0.0; 3],
+            }
+        } else if value.is_finite() {
             Said { value, slopes }
         } else {
             Said {
@@ -104,6 +119,13 @@ impl Formula {
                 slopes: [f64::NAN; 3],
             }
         }
+    }
+
+    /// The value where it is none that friction can have: negative or not finite.
+    pub fn fault(&self, node: usize, rate: f64, slip: f64, pressure: f64) -> Option<f64> {
+        let [x, y, z] = self.points[self.place(node)];
+        let value = self.program.value(&[rate, slip, pressure, x, y, z]);
+        (!(value >= 0.0 && value.is_finite())).then_some(value)
     }
 
     /// What samples say of the curve of a node.
@@ -142,7 +164,23 @@ impl Formula {
     }
 
     fn sample(&self, node: usize) -> Curve {
-        let only_zero = |samples: Samples, place: usize| {
+        let mut curve = Curve {
+            falls: [0.0; 2],
+            extremes: [0.0, f64::INFINITY],
+        };
+        let mut last = 0.0;
+        for rate in RATES.all() {
+            let said = self.at(node, rate, 0.0, 0.0);
+            curve.add(said);
+            let [largest, smallest] = curve.extremes;
+            curve.extremes = [largest.max(said.value), smallest.min(said.value)];
+            last = said.slopes[0];
+        }
+        if last > 0.0 {
+            // rises without end, as far as samples say
+            curve.extremes[0] = f64::INFINITY;
+        }
+        let used = |samples: Samples, place: usize| {
             let count = if self.program.uses(place) {
                 usize::MAX
             } else {
@@ -150,34 +188,24 @@ impl Formula {
             };
             samples.all().take(count)
         };
-        let mut curve = Curve {
-            falls: [0.0; 2],
-            extremes: [0.0, f64::INFINITY],
-        };
-        let mut last = 0.0;
-        for rate in RATES.all() {
-            for slip in only_zero(SLIPS, 1) {
-                for pressure in only_zero(PRESSURES, 2) {
-                    let Said { value, slopes } = self.at(node, rate, slip, pressure);
-                    // a comparison with NaN is false
-                    for (fall, slope) in curve.falls.iter_mut().zip(slopes) {
-                        if -slope > *fall {
-                            *fall = -slope;
-                        }
-                    }
-                    if slip == 0.0 && pressure == 0.0 {
-                        let [largest, smallest] = curve.extremes;
-                        curve.extremes = [largest.max(value), smallest.min(value)];
-                        last = slopes[0];
-                    }
+        for slip in used(SLIPS, 1) {
+            for pressure in used(PRESSURES, 2) {
+                if slip > 0.0 || pressure > 0.0 {
+                    let rates = FEW_RATES.all();
+                    rates.for_each(|rate| curve.add(self.at(node, rate, slip, pressure)));
                 }
             }
         }
-        if last > 0.0 {
-            // rises without end, as far as samples say
-            curve.extremes[0] = f64::INFINITY;
-        }
         curve
+    }
+}
+
+impl Curve {
+    /// Counts a sample; one that is no number counts for nothing.
+    fn add(&mut self, said: Said) {
+        for (fall, slope) in self.falls.iter_mut().zip(said.slopes) {
+            *fall = fall.max(-slope);
+        }
     }
 }
 

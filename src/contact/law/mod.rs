@@ -26,6 +26,7 @@ mod expression;
 mod formula;
 mod frictionless;
 mod memory;
+mod misfit;
 mod named;
 mod pressed;
 mod rate_and_state;
@@ -37,9 +38,10 @@ mod tresca;
 
 pub use chosen::{ChosenLaw, LawBounds};
 pub use coefficients::{
-    Coefficient, Coefficients, Extent, Field, Given, Misfit, Omitted, Place, Range, Unit, Wrong,
+    Coefficient, Coefficients, Extent, Field, Given, Omitted, Place, Range, Unit,
 };
 pub use memory::{Memory, MemoryPath};
+pub use misfit::{Misfit, Wrong};
 pub use named::{Law, Role};
 pub use pressed::PressedLaw;
 
@@ -158,6 +160,11 @@ pub trait FrictionLaw: Sync {
 
     /// Bound, slope along the stage and potential at one node; the potential of a law without is NaN.
     fn evaluate(&self, at: &At) -> Evaluation;
+
+    /// The value where it is none that a solution may have; `None` where it is right, as in laws of numbers everywhere.
+    fn fault(&self, _at: &At) -> Option<f64> {
+        None
+    }
 
     /// Bound and slope of [`FrictionLaw::evaluate`], with less work where a law has a costly potential.
     fn value(&self, at: &At) -> Value {

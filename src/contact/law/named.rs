@@ -1,7 +1,7 @@
 //! A law as a scene names it: one of the lists, in one of its roles, with all coefficients that it then has.
 
 use super::{
-    CONSTANT, Coefficient, Extent, FrictionLaw, KINDS, LAWS, Misfit, PATH, Wrong, coulomb,
+    CONSTANT, Coefficient, Extent, FrictionLaw, KINDS, LAWS, Misfit, PATH, Unit, Wrong, coulomb,
 };
 use crate::error::{Error, Result};
 use std::fmt;
@@ -30,6 +30,14 @@ impl Role {
             Role::Own => None,
             Role::Bound => Some(["bound", "bound"]),
             Role::Coulomb { .. } => Some(["coulomb", "coefficient"]),
+        }
+    }
+
+    /// A unit in this role.
+    pub fn unit(self, unit: Unit) -> &'static str {
+        match self {
+            Role::Own | Role::Bound => unit.in_bound(),
+            Role::Coulomb { .. } => unit.in_coefficient(),
         }
     }
 
@@ -141,7 +149,7 @@ impl Law {
 
     /// Unit of a coefficient.
     pub fn unit(&self, coefficient: usize) -> &'static str {
-        self.coefficient(coefficient).unit.in_role(self.role)
+        self.role.unit(self.coefficient(coefficient).unit)
     }
 
     /// Where a scene has a coefficient, which is also the name of its port.

@@ -67,6 +67,26 @@ impl<'a> PressedLaw<'a> {
         }
     }
 
+    /// Pressure that bounds the friction of a node, and what [`pressing`] says of its normal force.
+    fn pressure(&self, node: usize, force: f64) -> (f64, [f64; 2]) {
+        let tension = self.coulomb.is_some_and(|coulomb| coulomb.tension);
+        let [pressing, sign] = pressing(force, tension);
+        let pressure = if pressing > 0.0 {
+            pressing / self.weights[node]
+        } else {
+            0.0
+        };
+        (pressure, [pressing, sign])
+    }
+
+    /// The value of a formula at a node where it is none that a solution may have; see [`super::ChosenLaw::has_formula`].
+    pub fn fault(&self, node: usize, rate: f64, force: f64, slip: SlipPath) -> Option<f64> {
+        let (pressure, _) = self.pressure(node, force);
+        let memory = self.memory(node);
+        self.kind
+            .fault(&self.at(node, rate, slip, (pressure, memory)))
+    }
+
     /// The bound of a node with this memory; see [`PressedBounds::evaluate`].
     pub fn evaluate_with(
         &self,
@@ -77,13 +97,7 @@ impl<'a> PressedLaw<'a> {
         slip: SlipPath,
     ) -> PressedBound {
         let weight = self.weights[node];
-        let tension = self.coulomb.is_some_and(|coulomb| coulomb.tension);
-        let [pressing, sign] = pressing(force, tension);
-        let pressure = if pressing > 0.0 {
-            pressing / weight
-        } else {
-            0.0
-        };
+        let (pressure, [pressing, sign]) = self.pressure(node, force);
         let said = self
             .kind
             .value(&self.at(node, rate, slip, (pressure, memory)));

@@ -130,7 +130,7 @@ fn variant(law: Law, tag: &str) -> Value {
 
 fn insert_coefficients(members: &mut Map<String, Value>, declared: &[Coefficient], role: Role) {
     for declared in declared {
-        let unit = declared.unit.in_role(role);
+        let unit = role.unit(declared.unit);
         members.insert(declared.name.into(), coefficient(declared, unit));
     }
 }
