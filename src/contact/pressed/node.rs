@@ -55,8 +55,9 @@ pub fn project_normal(problem: &PressedProblem, node: usize, rho: f64, v: f64, p
     let force = p - rho * (v - closing);
     match problem.condition {
         NormalCondition::Bilateral => Normal::closed(closing, force),
-        NormalCondition::Unilateral if force > 0.0 => Normal::closed(closing, force),
-        NormalCondition::Unilateral => Normal::open(open),
+        NormalCondition::Unilateral if force <= 0.0 => Normal::open(open),
+        // what is not a number must show
+        NormalCondition::Unilateral => Normal::closed(closing, force),
         NormalCondition::Compliance { exponent } => {
             let foundation = Foundation {
                 stiffness: problem.stiffness[node],
@@ -83,7 +84,8 @@ impl Foundation {
         if self.exponent == 1.0 {
             self.stiffness * depth
         } else {
-            self.stiffness * depth.powf(self.exponent)
+            // a power of a small depth alone would leave the range of numbers
+            self.stiffness * depth.powf(self.exponent - 1.0) * depth
         }
     }
 
@@ -97,7 +99,8 @@ impl Foundation {
     }
 
     fn depth(&self, velocity: f64) -> f64 {
-        (-(self.gap_base + self.gap_rate * velocity)).max(0.0)
+        let gap = self.gap_base + self.gap_rate * velocity;
+        if gap >= 0.0 { 0.0 } else { -gap }
     }
 
     fn at(&self, velocity: f64, depth: f64) -> Normal {
