@@ -178,6 +178,26 @@ fn constant_friction_takes_few_iterations() {
     }
 }
 
+/// Laws that fall so fast that steps have several solutions and jumps between them; `PRESSED=1` for the largest bodies too.
+#[test]
+fn jumps_are_followed() {
+    let large: [&[usize]; 2] = [&[64, 32], &[8, 8, 3]];
+    let count = if std::env::var("PRESSED").is_ok() {
+        2
+    } else {
+        0
+    };
+    for cells in BODIES.iter().chain(&large[..count]) {
+        for alpha in [5.0, 20.0, 100.0, 1000.0] {
+            for condition in CONDITIONS {
+                let coefficient = Coefficient::Decaying(0.5, 0.2, alpha);
+                let effort = run(cells, coefficient, condition, 128);
+                assert!(effort.newton < 40.0, "{}", effort.newton);
+            }
+        }
+    }
+}
+
 #[test]
 fn other_laws_are_followed() {
     for cells in BODIES {

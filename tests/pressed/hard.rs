@@ -98,6 +98,12 @@ impl Tally {
     }
 }
 
+/// How many times the usual number of problems is drawn: `PRESSED=20 cargo test ... --test pressed hard`.
+fn times() -> usize {
+    let times = std::env::var("PRESSED").ok();
+    times.map_or(1, |times| times.parse().unwrap())
+}
+
 /// All laws of a kind, conditions and step sizes on one body; `draws` problems each, six starts.
 fn solve_all(cells: usize, draws: usize, laws: &[(&str, Coefficient)], seed: u64) {
     let mut random = Random::new(seed + cells as u64);
@@ -106,7 +112,7 @@ fn solve_all(cells: usize, draws: usize, laws: &[(&str, Coefficient)], seed: u64
         for condition in CONDITIONS {
             for (name, law) in laws {
                 let mut tally = Tally::default();
-                for _ in 0..draws {
+                for _ in 0..draws * times() {
                     let case = draw(&mut random, &body, *law, condition, k);
                     tally.run(&case, &mut random, 6);
                 }

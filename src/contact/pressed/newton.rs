@@ -75,6 +75,13 @@ impl Budget {
     }
 }
 
+/// Numbers between -1 and 1 without a pattern: the fractions of multiples of the golden ratio, and of their products.
+fn noise(i: usize, number: u32) -> f64 {
+    let golden = 0.618_033_988_749_894_9;
+    let first = (golden * (i + 1) as f64).fract();
+    2.0 * (1e3 * first * (1.0 + f64::from(number))).fract() - 1.0
+}
+
 impl Newton {
     pub fn new(nodes: usize, components: usize) -> Newton {
         let len = nodes * (components + 1);
@@ -96,6 +103,24 @@ impl Newton {
         self.accepted.f.copy_from_slice(force);
         set_slopes(problem, force, &mut self.slopes);
         self.accepted.project(problem, &self.slopes);
+    }
+
+    /// Starts from velocities that have nothing to do with a last solution: zeros, or numbers without a pattern as large as the
+    /// loads would make them, others for every `number`.
+    pub fn start_anew(&mut self, problem: &PressedProblem, number: u32) {
+        let Newton {
+            accepted, slopes, ..
+        } = self;
+        let sizes = problem.r.iter().zip(problem.yielding);
+        let largest = sizes.fold(0.0_f64, |most, (r, yielding)| {
+            most.max((r * yielding).abs())
+        });
+        for (i, v) in accepted.v.iter_mut().enumerate() {
+            *v = f64::from(number) * noise(i, number) * largest;
+        }
+        accepted.f.fill(0.0);
+        set_slopes(problem, &accepted.f, slopes);
+        accepted.project(problem, slopes);
     }
 
     /// Steps until the problem is solved, no step helps or `most` have been taken.

@@ -79,23 +79,17 @@ struct Foundation {
 }
 
 impl Foundation {
-    /// Force at a depth, N.
-    fn force(&self, depth: f64) -> f64 {
-        if self.exponent == 1.0 {
-            self.stiffness * depth
-        } else {
-            // a power of a small depth alone would leave the range of numbers
-            self.stiffness * depth.powf(self.exponent - 1.0) * depth
-        }
-    }
-
-    /// Its derivative by the depth, N/m.
-    fn slope(&self, depth: f64) -> f64 {
-        if self.exponent == 1.0 {
-            self.stiffness
-        } else {
-            self.exponent * self.stiffness * depth.powf(self.exponent - 1.0)
-        }
+    /// Force at a depth, N, and its derivative by the depth, N/m.
+    fn force(&self, depth: f64) -> [f64; 2] {
+        // a power of a small depth alone would leave the range of numbers
+        let power = match self.exponent {
+            1.0 => 1.0,
+            1.5 => depth.sqrt(),
+            2.0 => depth,
+            exponent => depth.powf(exponent - 1.0),
+        };
+        let secant = self.stiffness * power;
+        [secant * depth, self.exponent * secant]
     }
 
     fn depth(&self, velocity: f64) -> f64 {
@@ -104,11 +98,12 @@ impl Foundation {
     }
 
     fn at(&self, velocity: f64, depth: f64) -> Normal {
+        let [force, slope] = self.force(depth);
         Normal {
             velocity,
-            force: self.force(depth),
+            force,
             is_free: true,
-            fall: self.slope(depth) * self.gap_rate,
+            fall: slope * self.gap_rate,
         }
     }
 
@@ -119,7 +114,7 @@ impl Foundation {
             return Normal::open(open);
         }
         if self.gap_rate == 0.0 {
-            let force = self.force(deepest);
+            let [force, _] = self.force(deepest);
             return self.at(open + force / rho, deepest);
         }
         // a foundation stiffer than the body: the depth keeps the digits of the force
@@ -135,8 +130,9 @@ impl Foundation {
         let mut velocity = open;
         for _ in 0..EVALUATIONS {
             let depth = self.depth(velocity);
-            let imbalance = rho * (velocity - open) - self.force(depth);
-            let next = velocity - imbalance / (rho + self.slope(depth) * self.gap_rate);
+            let [force, slope] = self.force(depth);
+            let imbalance = rho * (velocity - open) - force;
+            let next = velocity - imbalance / (rho + slope * self.gap_rate);
             // rounding has the last word, and what is not a number too
             let is_moving = next > velocity;
             velocity = if next.is_nan() {
@@ -159,8 +155,9 @@ impl Foundation {
         let alone = (total / self.stiffness).powf(1.0 / self.exponent);
         let mut depth = (total / per_depth).min(alone);
         for _ in 0..EVALUATIONS {
-            let excess = self.force(depth) + per_depth * depth - total;
-            let next = depth - excess / (self.slope(depth) + per_depth);
+            let [force, slope] = self.force(depth);
+            let excess = force + per_depth * depth - total;
+            let next = depth - excess / (slope + per_depth);
             let is_moving = next < depth && next > 0.0;
             if !is_moving {
                 break;
@@ -182,13 +179,15 @@ pub struct Friction {
     pub law: PressedBound,
 }
 
-/// The slip rate at which `rho rate + B(rate, p) = pull`, or rest where the bound at rest holds the pull.
+/// The slip rate at which `rho rate + B(rate, p) = pull`, or rest where the bound at rest holds the pull. `guess` is a rate to
+/// begin with.
 pub fn project_tangential(
     problem: &PressedProblem,
     node: usize,
     rho: f64,
     pull: f64,
     force: f64,
+    guess: f64,
 ) -> Friction {
     let at_rest = problem.bound(node, 0.0, force);
     let rest = |slips| Friction {
@@ -203,6 +202,10 @@ pub fn project_tangential(
     // NaN ends here too
     let (mut low, mut high) = (0.0, pull / rho);
     let mut rate = (pull - at_rest.bound) / rho;
+    // a bound that does not begin to change is the same bound further on, as a rule
+    if at_rest.by_rate != 0.0 && low < guess && guess < high {
+        rate = guess;
+    }
     let mut descent = FIRST_DESCENT;
     let mut law = problem.bound(node, rate, force);
     let mut last_width = f64::INFINITY;
@@ -288,8 +291,9 @@ pub fn project(
         z[i] = f[i] + rho[0] * v[i];
     }
     let pull = norm(&z[..c]);
+    let guess = norm(&v[..c]);
     let Friction { slips, rate, law } =
-        project_tangential(problem, node, rho[0], pull, normal.force);
+        project_tangential(problem, node, rho[0], pull, normal.force, guess);
     let direction = match z {
         _ if pull > 0.0 => z.map(|z| z / pull),
         _ => [1.0, 0.0],

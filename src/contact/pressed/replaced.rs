@@ -105,16 +105,6 @@ pub(super) fn raise(problem: &PressedProblem, budget: &mut Budget, chain: &mut C
     chain.newton.accepted.project(problem, &chain.newton.slopes);
 }
 
-/// The solution without friction.
-pub(super) fn release(problem: &PressedProblem, budget: &mut Budget, chain: &mut Chain) {
-    let bounds = Share {
-        of: problem.bounds,
-        share: 0.0,
-    };
-    approach(problem, &bounds, budget, chain);
-    chain.newton.accepted.project(problem, &chain.newton.slopes);
-}
-
 /// Newton's method for a problem with other bounds, and sweeps where it stalls.
 fn approach(
     problem: &PressedProblem,

@@ -4,7 +4,8 @@
 //! 2. Sweeps over the nodes, then Newton's method; from here on it is patient: the imbalance may rise for a few steps.
 //! 3. Convex problems with frozen bounds, the bounds taken over at once, by half or by a fifth, then Newton's method.
 //! 4. Friction raised in steps from none, then Newton's method.
-//! 5. The solution without friction, and from there the second and the third once more.
+//!
+//! Between them stand starts that do not know the last solution: where the solution jumps, being near to the last one is no help.
 //!
 //! No energy decreases along the way: Coulomb friction is not the derivative of one. So whatever led there, a point is accepted by
 //! its residual alone.
@@ -33,26 +34,30 @@ const SETTLED: [f64; 3] = [1e-3, 3e-5, 1e-6];
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Stage {
     Sweeps,
+    /// A start that does not know the last solution: zeros, and further ones some velocities without a pattern.
+    Anew(u32),
     /// Frozen bounds that take over this share of the new ones.
     Frozen(f64),
     /// Friction raised in steps.
     Raised,
-    /// No friction.
-    Released,
 }
 
 /// What is tried in turn where Newton's method stalls.
 const STAGES: &[Stage] = &[
     Stage::Sweeps,
-    Stage::Frozen(1.0),
-    Stage::Frozen(0.5),
-    Stage::Frozen(0.2),
-    Stage::Raised,
-    Stage::Released,
+    Stage::Anew(0),
     Stage::Sweeps,
     Stage::Frozen(1.0),
     Stage::Frozen(0.5),
     Stage::Frozen(0.2),
+    Stage::Raised,
+    Stage::Anew(1),
+    Stage::Sweeps,
+    Stage::Anew(2),
+    Stage::Sweeps,
+    Stage::Anew(3),
+    Stage::Sweeps,
+    Stage::Frozen(0.5),
 ];
 
 /// A problem that is being solved.
@@ -208,8 +213,8 @@ impl Chain {
                 replaced::raise(task.problem, &mut task.budget, self);
                 self.descend(task)
             }
-            Stage::Released => {
-                replaced::release(task.problem, &mut task.budget, self);
+            Stage::Anew(number) => {
+                self.newton.start_anew(task.problem, number);
                 self.descend(task)
             }
         }
