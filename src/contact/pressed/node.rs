@@ -65,7 +65,7 @@ pub fn project_normal(problem: &PressedProblem, node: usize, rho: f64, v: f64, p
                 gap_base: problem.gap_base[node],
                 gap_rate: problem.gap_rate,
             };
-            foundation.project(rho, open, force)
+            foundation.project(rho, open, force, v)
         }
     }
 }
@@ -107,8 +107,8 @@ impl Foundation {
         }
     }
 
-    /// `open` is the velocity without any force, `force` what a rigid foundation would bear.
-    fn project(&self, rho: f64, open: f64, force: f64) -> Normal {
+    /// `open` is the velocity without any force, `force` what a rigid foundation would bear, `guess` a velocity to begin with.
+    fn project(&self, rho: f64, open: f64, force: f64, guess: f64) -> Normal {
         let deepest = self.depth(open);
         if deepest == 0.0 {
             return Normal::open(open);
@@ -120,7 +120,7 @@ impl Foundation {
         // a foundation stiffer than the body: the depth keeps the digits of the force
         let per_depth = rho / self.gap_rate;
         if force.is_finite() && per_depth.is_finite() {
-            let depth = self.balance(per_depth, force);
+            let depth = self.balance(per_depth, force, self.depth(guess));
             let found = self.at((-self.gap_base - depth) / self.gap_rate, depth);
             if found.fall >= rho {
                 return found;
@@ -133,13 +133,9 @@ impl Foundation {
             let [force, slope] = self.force(depth);
             let imbalance = rho * (velocity - open) - force;
             let next = velocity - imbalance / (rho + slope * self.gap_rate);
-            // rounding has the last word, and what is not a number too
-            let is_moving = next > velocity;
-            velocity = if next.is_nan() {
-                next
-            } else {
-                velocity.max(next)
-            };
+            let is_moving = next - velocity > EXACT * velocity.abs();
+            // rounding may turn the last step back; what is not a number must show
+            velocity = if next <= velocity { velocity } else { next };
             if !is_moving {
                 break;
             }
@@ -147,18 +143,26 @@ impl Foundation {
         self.at(velocity, self.depth(velocity))
     }
 
-    /// The depth where `force(depth) + per_depth depth = total`, from the deep side: convex, so no iterate passes it.
-    fn balance(&self, per_depth: f64, total: f64) -> f64 {
+    /// The depth where `force(depth) + per_depth depth = total`. The sum is convex: Newton's method comes from the deep side
+    /// after the first step, wherever `guess` is.
+    fn balance(&self, per_depth: f64, total: f64, guess: f64) -> f64 {
         if self.exponent == 1.0 {
             return total / (self.stiffness + per_depth);
         }
-        let alone = (total / self.stiffness).powf(1.0 / self.exponent);
-        let mut depth = (total / per_depth).min(alone);
-        for _ in 0..EVALUATIONS {
+        let next = |depth: f64| {
             let [force, slope] = self.force(depth);
-            let excess = force + per_depth * depth - total;
-            let next = depth - excess / (slope + per_depth);
-            let is_moving = next < depth && next > 0.0;
+            depth - (force + per_depth * depth - total) / (slope + per_depth)
+        };
+        let deepest = total / per_depth;
+        let mut depth = if guess > 0.0 && guess < deepest {
+            next(guess).min(deepest)
+        } else {
+            let alone = (total / self.stiffness).powf(1.0 / self.exponent);
+            deepest.min(alone)
+        };
+        for _ in 0..EVALUATIONS {
+            let next = next(depth);
+            let is_moving = depth - next > EXACT * depth && next > 0.0;
             if !is_moving {
                 break;
             }
