@@ -243,7 +243,7 @@ fn refuse_loose_pieces(mesh: &Mesh, dofs: &DofMap) -> Result<()> {
             n => format!(" although {n} of their nodes stand where it has one too"),
         }
     );
-    let allowed = "a body that hangs together (in Gmsh: fragment or Coherence), or a clamped part on every piece";
+    let allowed = "a body that hangs together (in Gmsh: fragment or Coherence), or a clamped or driven part on every piece";
     Err(scene_error("clamped", found, allowed.to_owned()))
 }
 
