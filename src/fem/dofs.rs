@@ -15,8 +15,9 @@
 //! The contact components come last, contact node by contact node, ordered along t1 and then t2: the trailing block of a
 //! Cholesky factor is then the operator condensed onto the contact.
 
-use super::cell::{face_integrals, face_normals, point};
+use super::cell::point;
 use super::driven::{Held, held_nodes};
+use super::face::{face_integrals, face_normals};
 use crate::error::{Error, Result};
 use crate::mesh::{Mesh, bent_face};
 use crate::message::cut;
