@@ -46,17 +46,24 @@ fn loading_a_model_takes_little_more_than_its_bytes() {
     let model = Model::from_bytes(&bytes).unwrap();
     let loading = (spent().0 - count, spent().1 - size);
     let size = spent().1;
+    model.scene().validate("scene").unwrap();
+    let checking = spent().1 - size;
+    let size = spent().1;
     let simulator = Simulator::new(model.into());
     let own = spent().1 - size;
     drop(simulator);
+    // the scene in it is checked like any other, against the schema of all that a scene may say
     assert!(
-        loading.1 < 8 * bytes.len() + 2 * own,
-        "{loading:?} for {} and {own}",
+        loading.1 < checking + 8 * bytes.len() + 2 * own,
+        "{loading:?} for {}, {checking} and {own}",
         bytes.len()
     );
     // both read the text of the scene, which makes most of the allocations of a model of this size
     assert!(loading.0 < compiling.0, "{loading:?} {compiling:?}");
-    assert!(20 * loading.1 < compiling.1, "{loading:?} {compiling:?}");
+    assert!(
+        20 * (loading.1 - checking) < compiling.1,
+        "{loading:?} {compiling:?}"
+    );
 }
 
 #[test]

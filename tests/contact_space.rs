@@ -102,10 +102,9 @@ fn turning_disc_takes_the_torque_of_its_friction() {
         ));
         text["contact"]["friction"]["coefficient"] = json!(0.35);
         let sim = end(&text);
-        assert_eq!(
-            value(&sim, "contact.stick_fraction") + value(&sim, "contact.open_fraction"),
-            0.0
-        );
+        // the leading corner lifts off
+        assert_eq!(value(&sim, "contact.stick_fraction"), 0.0);
+        assert!(value(&sim, "contact.open_fraction") < 0.1);
         let contact = sim.model().contact();
         let pressure = values(&sim, "contact.pressure");
         // the slip of a node is turned from that of the disc by what the body itself moves, slowly
@@ -153,8 +152,9 @@ fn held_load_stays_at_rest() {
         most = most.max(value(&sim, "solver.iterations"));
     }
     assert_eq!(sim.internal_steps() - start, 198_000);
-    assert!(common::relative(&values(&sim, "contact.slip"), &slip) < 1e-9);
-    assert!(common::relative(&values(&sim, "contact.tangential_stress"), &stress) < 1e-9);
+    // not a digit of the slip, and of the stress what rounding leaves in so many steps
+    assert_eq!(values(&sim, "contact.slip"), slip);
+    assert!(common::relative(&values(&sim, "contact.tangential_stress"), &stress) < 1e-8);
     // two stages a step
     assert!(most <= 4.0, "{most} iterations in a step at rest");
 }
