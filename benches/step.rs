@@ -80,6 +80,70 @@ mod run_of_32_steps {
     }
 }
 
+/// The same for a pad on a belt (k = 1/32, 32 contact nodes): a bound in Pa, Coulomb's law in bilateral contact, and contact that
+/// can open. The ratios to the first are the price of pressure.
+mod belt {
+    use super::{Bencher, common, compile, started};
+    use serde_json::json;
+    use stickslip::Simulator;
+
+    fn simulator(condition: &str, friction: serde_json::Value) -> Simulator {
+        let scene = json!({"schema_version": 1, "name": "belt",
+            "mesh": {"kind": "rectangle", "size": [1.0, 0.5], "cells": [32, 16]},
+            "material": {"viscosity": {"law": "isotropic", "mu1": 0.05, "mu2": 0.1},
+                         "elasticity": {"law": "isotropic", "young": 1.0, "poisson": 0.3, "convention": "kazmi2014"}},
+            "clamped": ["left"],
+            "contact": {"part": "bottom", "condition": {"kind": condition}, "friction": friction,
+                        "foundation": [{"kind": "sliding", "name": "belt", "direction": [1, 0]}]},
+            "loads": [{"name": "press", "kind": "traction", "part": "top", "direction": [0, 1], "start": -0.3}],
+            "time": {"scheme": "backward_euler", "step": 0.03125}});
+        started(compile(&common::scene(&scene)).expect("a scene that compiles"))
+    }
+
+    fn bench(bencher: Bencher, condition: &str, friction: serde_json::Value) {
+        let mut simulator = simulator(condition, friction);
+        let start = simulator.state().clone();
+        bencher
+            .counter(divan::counter::ItemsCount::new(128_u32))
+            .bench_local(|| {
+                simulator.restore(&start).expect("its own state");
+                for i in 0..128 {
+                    let t = f64::from(i) / 32.0;
+                    let belt = 0.1 * (2.0 * (t + 1.0 / 32.0)).sin();
+                    simulator.set_inputs(&[-0.3, belt]).expect("inputs");
+                    simulator.do_step(t, 1.0 / 32.0).expect("a step");
+                }
+            });
+    }
+
+    #[divan::bench(sample_count = 50)]
+    fn bound(bencher: Bencher) {
+        bench(
+            bencher,
+            "bilateral",
+            json!({"law": "exponential", "a": 0.1, "b": 0.08, "alpha": 1.0}),
+        );
+    }
+
+    #[divan::bench(sample_count = 50)]
+    fn coulomb(bencher: Bencher) {
+        bench(
+            bencher,
+            "bilateral",
+            json!({"law": "coulomb", "coefficient": 0.3}),
+        );
+    }
+
+    #[divan::bench(sample_count = 50)]
+    fn unilateral(bencher: Bencher) {
+        bench(
+            bencher,
+            "unilateral",
+            json!({"law": "coulomb", "coefficient": 0.3}),
+        );
+    }
+}
+
 /// A new step size: the first step of each size pays for its factorization.
 #[divan::bench(args = CELLS)]
 fn new_step_size(bencher: Bencher, cells: u32) {

@@ -9,10 +9,11 @@ use std::process::Command;
 use std::sync::OnceLock;
 
 const STRICT: [&str; 4] = ["-Wall", "-Wextra", "-Wpedantic", "-Werror"];
-const EXAMPLES: [&str; 6] = [
+const EXAMPLES: [&str; 7] = [
     "hello.c",
     "two_instances.c",
     "rollback.c",
+    "rigid_mass.c",
     "cosim_loop.c",
     "real_time.c",
     "cosim.cpp",

@@ -39,9 +39,16 @@ impl Simulator {
         self.workspace.fixed_point.iterates()
     }
 
-    /// Work done so far by the default friction solver.
+    /// Work done so far by the default friction solver, with pressure or without.
     pub fn friction_work(&self) -> Work {
-        self.workspace.newton.work()
+        let Some(pressed) = &self.workspace.pressed else {
+            return self.workspace.newton.work();
+        };
+        let work = pressed.workspace.work();
+        Work {
+            factorizations: work.factorizations,
+            solves: work.solves,
+        }
     }
 
     /// Internal steps since the start of the simulation; part of the state.
