@@ -10,7 +10,8 @@ use stickslip::contact::pressed::{
 };
 
 pub const TOLERANCE: f64 = 1e-10;
-pub const ITERATIONS: usize = 5000;
+/// For problems without a good start.
+const ITERATIONS: usize = 5000;
 
 /// Data of a problem.
 #[derive(Clone)]
@@ -121,6 +122,7 @@ pub struct Solver {
     pub ws: PressedWorkspace,
     pub points: Vec<f64>,
     pub tolerance: f64,
+    pub iterations: usize,
 }
 
 impl Solver {
@@ -131,6 +133,7 @@ impl Solver {
             ws: PressedWorkspace::new(case.nodes(), case.components),
             points,
             tolerance: TOLERANCE,
+            iterations: ITERATIONS,
         }
     }
 
@@ -141,10 +144,10 @@ impl Solver {
             reaction,
         } = found;
         let mut at = PressedPoint::of(&mut self.points, case.theta_k, case.gap_rate);
-        let (tolerance, ws) = (self.tolerance, &mut self.ws);
+        let (tolerance, iterations, ws) = (self.tolerance, self.iterations, &mut self.ws);
         case.with(|problem| {
             solve(
-                problem, tolerance, ITERATIONS, velocity, force, reaction, &mut at, ws,
+                problem, tolerance, iterations, velocity, force, reaction, &mut at, ws,
             )
         })
     }

@@ -111,6 +111,8 @@ fn run(
     };
     let mut course = Course::new(cells, friction, condition, 2.0 / f64::from(steps));
     let mut solver = Solver::new(&course.case);
+    // as many as a scene allows by default
+    solver.iterations = 200;
     let (mut worst, mut most, mut open, mut slipping) = (0.0_f64, 0, 0, 0);
     let d = cells.len();
     for step in 0..steps {

@@ -23,12 +23,14 @@ use crate::linalg::multiply;
 pub(super) const SWEEPS: usize = 60;
 /// Sweeps that count as one iteration: about as long as a Newton step takes.
 const SWEEPS_OF_ITERATION: usize = 10;
-/// Newton steps in a row after which something else is tried.
-const STEPS: usize = 40;
+/// Newton steps from the warm start after which something else is tried.
+const STEPS: usize = 25;
+/// Newton steps from another start after which the next way is tried.
+const FURTHER_STEPS: usize = 12;
 /// How often sweeps are continued.
-const TURNS: usize = 3;
+const TURNS: usize = 2;
 /// Changes of frozen bounds, as a share of the largest, at which Newton's method is tried.
-const SETTLED: [f64; 3] = [1e-3, 3e-5, 1e-6];
+const SETTLED: [f64; 2] = [1e-3, 3e-5];
 
 /// A way to a point from which Newton's method may find a solution.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -239,7 +241,12 @@ impl Chain {
     fn descend(&mut self, task: &mut Task) -> Outcome {
         let (problem, tolerance) = (task.problem, task.tolerance);
         let Task { budget, at, .. } = task;
-        let outcome = self.newton.descend(problem, tolerance, STEPS, budget, at);
+        let most = if self.newton.is_patient {
+            FURTHER_STEPS
+        } else {
+            STEPS
+        };
+        let outcome = self.newton.descend(problem, tolerance, most, budget, at);
         let accepted = &self.newton.accepted;
         let is_better = accepted.merit < self.best.merit;
         if outcome.is_solution() || is_better {
