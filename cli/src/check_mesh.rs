@@ -63,7 +63,15 @@ pub fn check(choice: &SceneChoice) -> Result<(), Failure> {
     let quality = mesh.quality();
     console::say(&two_columns(choice.name(), rows(&mesh, &quality)))?;
     console::say(&format!("\nregions\n{}", regions(&mesh, &quality)))?;
-    console::say(&format!("\nparts\n{}", parts(&mesh, &quality)))
+    console::say(&format!("\nparts\n{}", parts(&mesh, &quality)))?;
+    match quality.least_jacobian > 0.0 {
+        true => Ok(()),
+        false => Err(Failure::File {
+            path: path.to_owned(),
+            doing: "use",
+            why: "a cell is turned inside out by its bent sides".to_owned(),
+        }),
+    }
 }
 
 fn rows(mesh: &Mesh, quality: &Quality) -> Vec<(&'static str, String)> {
@@ -135,12 +143,6 @@ fn rows(mesh: &Mesh, quality: &Quality) -> Vec<(&'static str, String)> {
             "bent cells",
             format!("{} of {}{least}", quality.bent, mesh.cell_count()),
         ));
-        if quality.least_jacobian <= 0.0 {
-            rows.push((
-                "REFUSED",
-                "a cell is turned inside out by its bent sides".to_owned(),
-            ));
-        }
     }
     if quality.pieces > 1 {
         let text = format!(

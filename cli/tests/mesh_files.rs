@@ -81,7 +81,7 @@ fn a_mesh_file_is_checked_without_a_scene() {
         assert!(said.contains(line), "{line}: {said}");
     }
     let said = shell.succeed(&["check", "brake/shoe.msh", "--set", "mesh.scale=10"]);
-    assert!(said.contains("drum face  4      1.679985"), "{said}");
+    assert!(said.contains("drum face  4      1.679986"), "{said}");
     let said = shell.fail(&["check", "brake/shoe.msh", "--set", "time.step=1"]);
     assert!(said.contains("mesh.scale"), "{said}");
     let said = shell.fail(&["check", "brake/shoe.msh", "--set", "mesh.scale=-1"]);
@@ -95,9 +95,43 @@ fn a_mesh_file_is_checked_without_a_scene() {
     let said = shell.fail(&["check", "broken.msh"]);
     assert!(
         said.contains(
-            "broken.msh: at mesh.file: found broken.msh: $MeshFormat: version 4 (line 3)"
+            "broken.msh: at mesh.file: found broken.msh: $MeshFormat: version 4 (line 2)"
         ),
         "{said}"
+    );
+}
+
+/// The tables are printed, and the file is refused.
+#[test]
+fn a_mesh_with_a_folded_cell_is_no_good() {
+    let shell = shell();
+    let text = include_str!("../../tests/meshes/shoe.v2.msh");
+    let words = |line: &str| line.split(' ').map(str::to_owned).collect::<Vec<_>>();
+    // a side of the drum face: number, type, two tags, group, entity, both ends, the middle
+    let is_side = |w: &Vec<String>| w.len() == 8 && w[1] == "8" && w[3] == "1";
+    let side = text.lines().map(words).find(is_side).unwrap();
+    let place = |node: &str| {
+        text.lines()
+            .find(|l| words(l)[0] == node && words(l).len() == 4)
+            .unwrap()
+    };
+    let end = words(place(&side[5]));
+    let near = format!(
+        "{} {} {} 0",
+        side[7],
+        end[1].parse::<f64>().unwrap() * 0.999,
+        end[2]
+    );
+    shell.write("folded.msh", &text.replace(place(&side[7]), &near));
+    let outcome = shell.run(&["check", "folded.msh"]);
+    assert_eq!(outcome.status, 1, "{}", outcome.stdout);
+    assert!(outcome.stdout.contains("drum face"), "{}", outcome.stdout);
+    assert!(
+        outcome
+            .stderr
+            .contains("folded.msh: cannot use: a cell is turned inside out"),
+        "{}",
+        outcome.stderr
     );
 }
 

@@ -45,7 +45,7 @@ def run(fmu, young=None):
     library = Library(fmu)
     shoe = Instance(library)
     if young is not None:
-        assert shoe.set(YOUNG, [young]) == OK, shoe.log
+        assert shoe.set(YOUNG, young) == OK, shoe.log
     shoe.start()
     for i in range(8):
         assert shoe.step(i * H, H) == OK, shoe.log

@@ -8,6 +8,7 @@
 #[cfg(panic = "abort")]
 compile_error!("the C interface catches panics: build it with panic = \"unwind\"");
 
+mod compile;
 mod derivative;
 mod guard;
 mod inputs;
@@ -15,6 +16,7 @@ mod model;
 mod simulator;
 mod state;
 
+pub use compile::*;
 pub use derivative::*;
 pub use guard::{stickslip_code_name, stickslip_last_error};
 pub use inputs::*;

@@ -10,6 +10,7 @@ use super::driven::Drives;
 use super::foundation;
 use super::loads::{LoadColumn, ProbeRows, load_columns, probe_rows};
 use super::operators::OperatorPair;
+use super::pieces::refuse_loose_pieces;
 use super::strain::StrainNorm;
 use crate::error::{Error, Result};
 use crate::material::Form;
@@ -17,7 +18,6 @@ use crate::mesh::Mesh;
 use crate::message::cut;
 use crate::refusal::scene_error;
 use crate::scene::Scene;
-use std::collections::BTreeSet;
 
 /// The contact nodes, in the order of their components (the last `nodes.len() * components` free components).
 #[derive(Debug, Clone, PartialEq)]
@@ -194,57 +194,6 @@ fn interior_places(mesh: &Mesh, dofs: &DofMap) -> Vec<[f64; 3]> {
         }
     }
     places
-}
-
-/// A piece of the mesh that no clamped or driven node holds can move freely: A is singular on it.
-fn refuse_loose_pieces(mesh: &Mesh, dofs: &DofMap) -> Result<()> {
-    let pieces = mesh.pieces();
-    let mut is_held = vec![false; pieces.len()];
-    for &node in &mesh.cell_nodes {
-        is_held[pieces[node as usize] as usize] |= dofs.is_held(node);
-    }
-    let is_loose = |cell: &&[u32]| !is_held[pieces[cell[0] as usize] as usize];
-    let Some(cell) = mesh.cells().find(is_loose) else {
-        return Ok(());
-    };
-    let piece = pieces[cell[0] as usize];
-    let mut regions: Vec<&str> = Vec::new();
-    let mut cells = 0;
-    for (cell, region) in mesh.cells().zip(&mesh.cell_regions) {
-        if pieces[cell[0] as usize] == piece {
-            cells += 1;
-            let region = mesh.regions[*region as usize].as_str();
-            if !regions.contains(&region) {
-                regions.push(region);
-            }
-        }
-    }
-    // nodes are few that stand at the same place as another
-    let key = |node: u32| mesh.nodes[node as usize].map(f64::to_bits);
-    let others: BTreeSet<[u64; 3]> = mesh
-        .cell_nodes
-        .iter()
-        .filter(|n| pieces[**n as usize] != piece)
-        .map(|n| key(*n))
-        .collect();
-    let own: BTreeSet<[u64; 3]> = mesh
-        .cell_nodes
-        .iter()
-        .filter(|n| pieces[**n as usize] == piece)
-        .map(|n| key(*n))
-        .collect();
-    let touching = own.intersection(&others).count();
-    let found = format!(
-        "parts that hold nothing of the {cells} cells of {} at {:?}, which share no node with the rest of the body{}",
-        cut(&format!("{regions:?}")),
-        &mesh.centroid(cell)[..mesh.dimension],
-        match touching {
-            0 => String::new(),
-            n => format!(" although {n} of their nodes stand where it has one too"),
-        }
-    );
-    let allowed = "a body that hangs together (in Gmsh: fragment or Coherence), or a clamped part on every piece";
-    Err(scene_error("clamped", found, allowed.to_owned()))
 }
 
 /// The forms of A and B in every region of the mesh.

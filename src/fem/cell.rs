@@ -4,9 +4,10 @@
 //! lives in three components with vanishing z: the code has one path, and the z unknowns never get numbers. Cells with bent sides
 //! are isoparametric: gradients go through the Jacobian at every point of integration. Straight cells keep exact integrals.
 
+use super::bent::{self, Points};
 use crate::element::{Barycentric, Element, MOST_NODES};
 use crate::material::{Form, GradientPair};
-use crate::mesh::{Bent, Mesh, bent_face};
+use crate::mesh::{Bent, Mesh};
 use nalgebra::{Matrix3, Vector3};
 
 /// Geometry of one straight-sided cell.
@@ -69,50 +70,6 @@ pub struct Cell {
     bent: Option<Box<Points>>,
 }
 
-/// The points of integration of a bent cell.
-#[derive(Debug, Clone, PartialEq)]
-struct Points {
-    bent: Bent,
-    /// Weight (m^2 or m^3) and gradients of the shape functions at every point.
-    all: Vec<(f64, [Vector3<f64>; MOST_NODES])>,
-}
-
-impl Points {
-    fn new(element: &Element, bent: Bent) -> Points {
-        let measure = if element.dimension == 2 { 2.0 } else { 6.0 };
-        let at_point = |(at, share): &(Barycentric, f64)| {
-            let jacobian = bent.jacobian(at);
-            let mut gradients = [Vector3::zeros(); MOST_NODES];
-            for (node, gradient) in gradients.iter_mut().take(element.nodes).enumerate() {
-                *gradient = bent_gradient(element, &jacobian, node, at);
-            }
-            (share * jacobian.determinant() / measure, gradients)
-        };
-        Points {
-            all: element.bent_points.iter().map(at_point).collect(),
-            bent,
-        }
-    }
-}
-
-/// Gradient of a shape function at a point with this Jacobian; not finite where it is singular.
-fn bent_gradient(
-    element: &Element,
-    jacobian: &Matrix3<f64>,
-    node: usize,
-    at: &Barycentric,
-) -> Vector3<f64> {
-    let slopes = (element.slopes)(node, at);
-    let mut by_corner = Vector3::zeros();
-    for j in 0..element.dimension {
-        by_corner[j] = slopes[j + 1] - slopes[0];
-    }
-    match jacobian.try_inverse() {
-        Some(inverse) => inverse.tr_mul(&by_corner),
-        None => Vector3::repeat(f64::NAN),
-    }
-}
-
 impl Cell {
     /// The cell with these node numbers.
     pub fn new(mesh: &Mesh, cell: &[u32]) -> Cell {
@@ -157,7 +114,7 @@ impl Cell {
     /// Gradient of the shape function of a node at barycentric coordinates, 1/m.
     pub fn gradient(&self, node: usize, at: &Barycentric) -> Vector3<f64> {
         if let Some(points) = &self.bent {
-            return bent_gradient(self.element, &points.bent.jacobian(at), node, at);
+            return bent::gradient(self.element, &points.bent.jacobian(at), node, at);
         }
         let slopes = (self.element.slopes)(node, at);
         let mut gradient = Vector3::zeros();
@@ -235,66 +192,6 @@ impl Cell {
 /// Coordinates of a node.
 pub(super) fn point(mesh: &Mesh, node: u32) -> Vector3<f64> {
     Vector3::from(mesh.nodes[node as usize])
-}
-
-/// Outward normal of a face times its length (2D, m) or area (3D, m^2).
-pub(super) fn area_vector(mesh: &Mesh, face: &[u32]) -> Vector3<f64> {
-    let p = point(mesh, face[0]);
-    let along = point(mesh, face[1]) - p;
-    if mesh.dimension == 2 {
-        along.cross(&Vector3::z())
-    } else {
-        along.cross(&(point(mesh, face[2]) - p)) / 2.0
-    }
-}
-
-/// Nodes of a face with the integral of their shape function over it (m or m^2): the row sums of its mass matrix.
-pub(super) fn face_integrals(mesh: &Mesh, face: &[u32]) -> impl Iterator<Item = (u32, f64)> {
-    let area = area_vector(mesh, face).norm();
-    let bent = bent_face(mesh, face).map(|points| {
-        let mut sums = vec![0.0; face.len()];
-        for (shapes, normal) in points {
-            let length = normal.norm();
-            for (sum, shape) in sums.iter_mut().zip(shapes) {
-                *sum += shape * length;
-            }
-        }
-        sums
-    });
-    let shares = mesh.element.face_integrals.iter().enumerate();
-    face.iter().zip(shares).map(move |(&node, (i, share))| {
-        let integral = bent.as_ref().map_or_else(|| share.of(area), |sums| sums[i]);
-        (node, integral)
-    })
-}
-
-/// Nodes of a face with the integral of their shape function times the outward normal (m or m^2). In a part without bent faces the
-/// area vector of the face stands for it, the same at all nodes: normals are sums of these, and only their direction matters.
-pub(super) fn face_normals(
-    mesh: &Mesh,
-    face: &[u32],
-    is_part_bent: bool,
-) -> impl Iterator<Item = (u32, Vector3<f64>)> {
-    let area = area_vector(mesh, face);
-    let mut normals = vec![area; face.len()];
-    if is_part_bent {
-        match bent_face(mesh, face) {
-            Some(points) => {
-                normals.fill(Vector3::zeros());
-                for (shapes, normal) in points {
-                    for (sum, shape) in normals.iter_mut().zip(shapes) {
-                        *sum += normal * shape;
-                    }
-                }
-            }
-            None => {
-                for (normal, share) in normals.iter_mut().zip(mesh.element.face_integrals) {
-                    *normal = area * share.of(1.0);
-                }
-            }
-        }
-    }
-    face.iter().copied().zip(normals)
 }
 
 #[cfg(test)]

@@ -5,8 +5,8 @@
 //! * Nodes of a part that is driven along some directions have components along the others.
 //! * A contact node keeps its tangential components, in the frame `(t1, t2, n)` (3D) or `(t1, n)` (2D): bilateral
 //!   contact sets the normal one to zero. n is the unit outward normal, the mean of the adjacent contact faces weighted by
-//!   their areas (where faces are bent, by their integrals with the shape function of the node); t1 is the projection of `contact.tangent` or else of the x axis (of the y axis where n is parallel to x);
-//!   t2 = n x t1, so that (t1, t2, n) is right-handed: on a bottom (n = -y) t1 = x and t2 = z.
+//!   their areas (where faces are bent, by their integrals with the shape function of the node); t1 is the projection of
+//!   `contact.tangent` or else of the x axis (of the y axis where n is parallel to x); t2 = n x t1, so that (t1, t2, n) is right-handed: on a bottom (n = -y) t1 = x and t2 = z.
 //! * Where the scene needs the normal motion ([`Scene::is_pressed`]) a contact node keeps a component along -n too, from the
 //!   foundation into the body: forces that press are positive, and so is what opens the gap.
 //! * Every other node has `dimension` components along the global axes.
@@ -15,8 +15,9 @@
 //! The contact components come last, contact node by contact node, ordered along t1 and then t2: the trailing block of a
 //! Cholesky factor is then the operator condensed onto the contact.
 
-use super::cell::{face_integrals, face_normals, point};
+use super::cell::point;
 use super::driven::{Held, held_nodes};
+use super::face::{face_integrals, face_normals};
 use crate::error::{Error, Result};
 use crate::mesh::{Mesh, bent_face};
 use crate::message::cut;

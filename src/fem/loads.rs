@@ -3,9 +3,10 @@
 //! A load of intensity p(t) puts the force `p(t) * column` on the free components; its work-conjugate displacement is
 //! `column . u` (the mean displacement along the direction times `measure`). All integrals are exact but for those of bent cells and faces.
 
-use super::cell::{Cell, face_integrals};
+use super::cell::Cell;
 use super::dofs::{DofMap, direction};
 use super::driven::NodalRows;
+use super::face::face_integrals;
 use crate::element::MOST_NODES;
 use crate::error::Result;
 use crate::mesh::Mesh;

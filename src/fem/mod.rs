@@ -3,13 +3,16 @@
 //! From a scene and a mesh to what the numerics need: the two symmetric matrices A (viscosity) and B (elasticity) on the
 //! free displacements, the contact nodes with their frames and weights, one column per load and one row per probe output.
 
+mod bent;
 mod body;
 mod cell;
 mod dofs;
 mod driven;
+mod face;
 mod foundation;
 mod loads;
 mod operators;
+mod pieces;
 #[cfg(test)]
 mod solids;
 mod strain;

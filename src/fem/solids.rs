@@ -115,6 +115,57 @@ fn quadratic_fields_pass_the_patch_test() {
     assert!(largest > 1e-3, "the body force matters");
 }
 
+/// Bent sides everywhere, also where four cells meet: a linear field has a uniform stress, which holds itself inside.
+#[test]
+fn linear_fields_pass_the_patch_test_on_bent_cells() {
+    let mut mesh = cube(2)
+        .for_element(ElementKind::P2)
+        .expect("quadratic cells");
+    let corners = cube(2).nodes.len();
+    for (i, node) in mesh.nodes.iter_mut().enumerate().skip(corners) {
+        for (c, x) in node.iter_mut().enumerate() {
+            *x += 0.03 * ((5 * i + 2 * c) as f64).sin();
+        }
+    }
+    let is_outer = on_boundary(&mesh);
+    let gradient = Matrix3::new(0.3, -0.2, 0.5, 0.7, 0.1, -0.4, 0.2, 0.6, -0.8);
+    let (dofs, pair) = assemble(&mesh, &vec![false; mesh.nodes.len()]);
+    let mut u = vec![0.0; pair.n];
+    for (node, place) in mesh.nodes.iter().enumerate() {
+        let value = gradient * Vector3::from(*place);
+        for (c, dof) in dofs.range(node as u32).enumerate() {
+            u[dof] = value[c];
+        }
+    }
+    let mut force = vec![0.0; pair.n];
+    pair.apply(&pair.a, &u, &mut force);
+    // the energy is that of the bent volume
+    let strain = (gradient + gradient.transpose()) / 2.0;
+    let density = FORM.stress(&strain).component_mul(&strain).sum();
+    let (mut volume, mut bent) = (0.0, 0);
+    for cell in mesh.cells() {
+        let cell = Cell::new(&mesh, cell);
+        bent += usize::from(cell.is_bent());
+        volume += cell.volume();
+        assert!((cell.integrals().sum::<f64>() - cell.volume()).abs() < 1e-15);
+    }
+    let energy: f64 = u.iter().zip(&force).map(|(u, f)| u * f).sum();
+    assert_eq!(bent, mesh.cell_count());
+    assert!(
+        (volume - 1.0).abs() > 1e-4,
+        "bent faces change the volume: {volume}"
+    );
+    assert!((energy / (density * volume) - 1.0).abs() < 1e-13);
+    let (mut inner, mut outer) = (0.0f64, 0.0f64);
+    for (node, is_outer) in (0..).zip(&is_outer) {
+        for dof in dofs.range(node) {
+            let most = if *is_outer { &mut outer } else { &mut inner };
+            *most = most.max(force[dof].abs());
+        }
+    }
+    assert!(inner < 1e-15 && outer > 1e-2, "{inner:e} {outer}");
+}
+
 /// Points and weights of Gauss's rule with 4 points on (0, 1).
 const GAUSS: [(f64, f64); 4] = [
     (0.069_431_844_202_973_71, 0.173_927_422_568_726_93),

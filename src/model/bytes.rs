@@ -61,6 +61,9 @@ impl Model {
             .map_err(|error| Reader::refusal(error.to_string()))?;
         let parts = read_parts(&mut from, &scene)?;
         from.finish()?;
+        scene
+            .validate_in(parts.dimension)
+            .map_err(|error| Reader::refusal(error.to_string()))?;
         let model = Model::new(&scene, parts)?;
         let (needed, limit) = (model.simulator_bytes(), scene.fidelity.memory_limit());
         if needed as f64 > limit {

@@ -96,7 +96,7 @@ impl Compilation {
     ) -> Result<Compilation> {
         watch.report(Phase::Assembly, 0.05)?;
         scene.element.get_or_insert(mesh.element.kind);
-        scene.validate_on(&mesh)?;
+        scene.validate_in(mesh.dimension)?;
         let body = Body::assemble_on(&scene, mesh)?;
         // before the work of an hour: whether coefficients fit the contact nodes
         scene.friction_on(&body.contact.points)?;

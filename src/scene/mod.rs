@@ -20,7 +20,6 @@ pub use examples::{example, example_names};
 pub use types::*;
 
 use crate::Result;
-use crate::mesh::Mesh;
 use crate::refusal::Refusal;
 use serde::Deserialize;
 use structure::Structure;
@@ -85,10 +84,13 @@ impl Scene {
     }
 
     /// The rules that need the dimension of the mesh, for a scene that does not say it itself.
-    pub(crate) fn validate_on(&self, mesh: &Mesh) -> Result<()> {
+    ///
+    /// # Errors
+    /// [`Error::Scene`](crate::Error::Scene).
+    pub(crate) fn validate_in(&self, dimension: usize) -> Result<()> {
         let named = |refusal: Refusal| refusal.of("scene");
         match self.mesh.dimension() {
-            None => validate::check_in(self, Some(mesh.dimension)).map_err(named),
+            None => validate::check_in(self, Some(dimension)).map_err(named),
             Some(_) => Ok(()),
         }
     }

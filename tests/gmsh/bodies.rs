@@ -66,9 +66,9 @@ fn a_linear_field_leaves_no_force_inside() {
         body.operators.apply(&body.operators.b, &u, &mut force);
         let (mut inside, mut outside) = (0.0f64, 0.0f64);
         let mut count = 0;
-        for node in 0..body.mesh.nodes.len() {
-            for dof in body.dofs.range(node as u32) {
-                match is_outer[node] {
+        for (node, is_outer) in (0..).zip(&is_outer) {
+            for dof in body.dofs.range(node) {
+                match is_outer {
                     true => outside = outside.max(force[dof].abs()),
                     false => {
                         count += 1;

@@ -6,6 +6,7 @@
 mod bent;
 mod bodies;
 mod fuzz;
+mod sections;
 mod traps;
 mod versions;
 mod writer;

@@ -244,6 +244,12 @@ fn scenes_are_checked_against_the_mesh() {
             "material.elasticity.convention",
             "plane",
         ),
+        (
+            "fidelity.memory_limit",
+            "1e3",
+            "mesh.file",
+            "what takes at most 0.000 GB (fidelity.memory_limit)",
+        ),
         ("element", "\"p2\"", "", ""),
     ] {
         let overrides = [("mesh", gmsh), (path, value)].map(|(p, v)| (p.to_owned(), v.to_owned()));

@@ -153,7 +153,7 @@ impl File {
     }
 
     /// The same mesh, written by somebody else: other numbers with gaps, another order of nodes, blocks, cells and corners, every
-    /// cell of first order mirrored.
+    /// cell mirrored.
     pub fn otherwise(&self) -> File {
         let count = self.nodes.len();
         let mut other = self.clone();
@@ -164,9 +164,14 @@ impl File {
             block.cells.reverse();
             for cell in &mut block.cells {
                 cell.iter_mut().for_each(|node| *node = count - 1 - *node);
-                if matches!(block.of, 2 | 4) {
-                    cell.swap(0, 1);
-                }
+                // with the edges of the corners that change places
+                let swaps: &[(usize, usize)] = match block.of {
+                    2 | 4 => &[(0, 1)],
+                    9 => &[(0, 1), (4, 5)],
+                    11 => &[(0, 1), (5, 6), (7, 9)],
+                    _ => &[],
+                };
+                swaps.iter().for_each(|(a, b)| cell.swap(*a, *b));
             }
         }
         other

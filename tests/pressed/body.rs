@@ -19,81 +19,155 @@ pub struct Condensed {
     pub weight: f64,
 }
 
-/// A body of `cells` cubes along every axis (the last one normal to the contact), each cut into simplices.
+/// A body whose viscosity and elasticity are lower bands, by rows, without the clamped layer.
+pub struct Body {
+    pub dimension: usize,
+    /// Free components.
+    pub len: usize,
+    half: usize,
+    matrices: [Vec<f64>; 2],
+    /// Components of the contact nodes.
+    pub ports: Vec<usize>,
+    /// Normal components of the nodes opposite to the contact.
+    pub opposite: Vec<usize>,
+    /// Area of a contact node.
+    pub weight: f64,
+}
+
+/// A factor of A + theta_k B.
+pub struct Factor {
+    band: Vec<f64>,
+    half: usize,
+}
+
+/// A body of `cells` cubes along every axis (the last one normal to the contact), each cut into simplices, condensed.
 pub fn condensed(cells: &[usize], theta_k: f64) -> Condensed {
-    let dimension = cells.len();
-    let size = 1.0 / cells[0] as f64;
-    let points: Vec<usize> = cells.iter().map(|n| n + 1).collect();
-    // numbers with x slowest: the band is one layer wide
-    let number = |at: &[usize]| {
-        let inner = at.iter().zip(&points).skip(1);
-        inner.fold(at[0], |number, (i, n)| number * n + i)
-    };
-    let layer: usize = points.iter().skip(1).product();
-    let count = layer * cells[0];
-    let half = (layer + layer / points[1].max(1) + 2) * dimension;
-    let len = count * dimension;
-    // a lower band, by rows, without the clamped layer
-    let mut band = vec![0.0; len * (half + 1)];
-    let mut add = |i: usize, j: usize, value: f64| {
-        if i >= j {
-            assert!(i - j <= half);
-            band[i * (half + 1) + half + j - i] += value;
-        }
-    };
-    let [form] = [std::array::from_fn::<f64, 2, _>(|i| {
-        VISCOSITY[i] + theta_k * ELASTICITY[i]
-    })];
-    for cell in grid(cells) {
-        for order in permutations(dimension) {
-            let mut corner = cell.clone();
-            let mut nodes = vec![number(&corner)];
-            for axis in &order {
-                corner[*axis] += 1;
-                nodes.push(number(&corner));
-            }
-            let element = element(&order, size, form);
-            for (a, na) in nodes.iter().enumerate() {
-                for (b, nb) in nodes.iter().enumerate() {
-                    if *na < layer || *nb < layer {
-                        continue;
+    let body = Body::new(cells);
+    body.condensed(&body.factor(theta_k))
+}
+
+impl Body {
+    pub fn new(cells: &[usize]) -> Body {
+        let dimension = cells.len();
+        let size = 1.0 / cells[0] as f64;
+        let points: Vec<usize> = cells.iter().map(|n| n + 1).collect();
+        // numbers with x slowest: the band is one layer wide
+        let number = |at: &[usize]| {
+            let inner = at.iter().zip(&points).skip(1);
+            inner.fold(at[0], |number, (i, n)| number * n + i)
+        };
+        let layer: usize = points.iter().skip(1).product();
+        let half = (layer + layer / points[1].max(1) + 2) * dimension;
+        let len = layer * cells[0] * dimension;
+        let assemble = |form: [f64; 2]| {
+            let mut band = vec![0.0; len * (half + 1)];
+            let mut add = |i: usize, j: usize, value: f64| {
+                if i >= j {
+                    assert!(i - j <= half);
+                    band[i * (half + 1) + half + j - i] += value;
+                }
+            };
+            for cell in grid(cells) {
+                for order in permutations(dimension) {
+                    let mut corner = cell.clone();
+                    let mut nodes = vec![number(&corner)];
+                    for axis in &order {
+                        corner[*axis] += 1;
+                        nodes.push(number(&corner));
                     }
-                    for i in 0..dimension {
-                        for j in 0..dimension {
-                            let row = (na - layer) * dimension + i;
-                            let column = (nb - layer) * dimension + j;
-                            add(row, column, element[a * dimension + i][b * dimension + j]);
+                    let element = element(&order, size, form);
+                    // component of a node of the element, unless it is clamped
+                    let component = |at: usize| {
+                        let node = nodes[at / dimension].checked_sub(layer)?;
+                        Some(node * dimension + at % dimension)
+                    };
+                    for (a, row) in element.iter().enumerate() {
+                        for (b, value) in row.iter().enumerate() {
+                            if let (Some(i), Some(j)) = (component(a), component(b)) {
+                                add(i, j, *value);
+                            }
                         }
                     }
                 }
             }
+            band
+        };
+        let face = |last: usize| {
+            let mut counts = points.clone();
+            counts[dimension - 1] = 1;
+            let mut nodes = grid(&counts);
+            nodes.retain(|at| at[0] > 0);
+            nodes.iter_mut().for_each(|at| at[dimension - 1] = last);
+            nodes
+        };
+        let first = |at: &Vec<usize>| (number(at) - layer) * dimension;
+        Body {
+            dimension,
+            len,
+            half,
+            matrices: [assemble(VISCOSITY), assemble(ELASTICITY)],
+            ports: face(0)
+                .iter()
+                .flat_map(|at| first(at)..first(at) + dimension)
+                .collect(),
+            opposite: face(cells[dimension - 1])
+                .iter()
+                .map(|at| first(at) + dimension - 1)
+                .collect(),
+            weight: size.powi(dimension as i32 - 1),
         }
     }
-    factor(&mut band, half);
-    let mut face = cells.to_vec();
-    face[dimension - 1] = 0;
-    let ports: Vec<usize> = grid(&face.iter().map(|n| n + 1).collect::<Vec<_>>())
-        .into_iter()
-        .filter(|at| at[0] > 0)
-        .flat_map(|at| (0..dimension).map(move |i| (at.clone(), i)))
-        .map(|(at, i)| (number(&at) - layer) * dimension + i)
-        .collect();
-    let n = ports.len();
-    let mut c = Mat::zeros(n, n);
-    for (j, port) in ports.iter().enumerate() {
-        let mut x = vec![0.0; len];
-        x[*port] = 1.0;
-        substitute(&band, half, &mut x);
-        for (i, port) in ports.iter().enumerate() {
-            c[(i, j)] = x[*port];
+
+    pub fn factor(&self, theta_k: f64) -> Factor {
+        let [a, b] = &self.matrices;
+        let mut band: Vec<f64> = a.iter().zip(b).map(|(a, b)| a + theta_k * b).collect();
+        factor(&mut band, self.half);
+        Factor {
+            band,
+            half: self.half,
         }
     }
-    Condensed {
-        nodes: n / dimension,
-        components: dimension - 1,
-        s: inverse(&c),
-        c,
-        weight: size.powi(dimension as i32 - 1),
+
+    pub fn condensed(&self, factor: &Factor) -> Condensed {
+        let n = self.ports.len();
+        let mut c = Mat::zeros(n, n);
+        for (j, port) in self.ports.iter().enumerate() {
+            let mut x = vec![0.0; self.len];
+            x[*port] = 1.0;
+            factor.solve(&mut x);
+            for (i, port) in self.ports.iter().enumerate() {
+                c[(i, j)] = x[*port];
+            }
+        }
+        Condensed {
+            nodes: n / self.dimension,
+            components: self.dimension - 1,
+            s: inverse(&c),
+            c,
+            weight: self.weight,
+        }
+    }
+
+    /// `B u`.
+    pub fn elastic(&self, u: &[f64]) -> Vec<f64> {
+        let (half, width) = (self.half, self.half + 1);
+        let mut forces = vec![0.0; u.len()];
+        for i in 0..u.len() {
+            for j in i.saturating_sub(half)..=i {
+                let value = self.matrices[1][i * width + half + j - i];
+                forces[i] += value * u[j];
+                if i != j {
+                    forces[j] += value * u[i];
+                }
+            }
+        }
+        forces
+    }
+}
+
+impl Factor {
+    pub fn solve(&self, x: &mut [f64]) {
+        substitute(&self.band, self.half, x);
     }
 }
 

@@ -61,10 +61,6 @@ impl Case {
         self.weights.len()
     }
 
-    pub fn size(&self) -> usize {
-        self.components + 1
-    }
-
     /// The load that moves the free body like this.
     pub fn set_free_velocity(&mut self, velocity: &[f64]) {
         self.r = product(&self.s, velocity);

@@ -65,7 +65,10 @@ pub fn violation(case: &Case, found: &Found) -> f64 {
                 see((gap / gaps).min(p / scale));
             }
             NormalCondition::Compliance { exponent } => {
-                let law = |gap: f64| case.stiffness[node] * (-gap).max(0.0).powf(exponent);
+                let law = |gap: f64| {
+                    let depth = (-gap).max(0.0);
+                    case.stiffness[node] * depth.powf(exponent - 1.0) * depth
+                };
                 // the gap is known to rounding only
                 let margin = 4.0 * f64::EPSILON * gaps;
                 see((law(gap + margin) - p).max(0.0) / scale);

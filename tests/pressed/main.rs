@@ -8,7 +8,13 @@ mod random;
 
 mod body;
 mod cases;
+mod chatter;
 mod check;
+mod course;
+mod extremes;
 mod hard;
 mod laws;
+mod limits;
 mod node;
+mod space;
+mod work;

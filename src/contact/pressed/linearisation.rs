@@ -363,8 +363,12 @@ impl FactorCache {
         let slot = match known {
             Some(slot) => slot,
             None => {
+                // a point moves: what was made for the same step size is of no use any more
                 let oldest = (0..self.factors.len())
-                    .min_by_key(|&i| self.factors[i].last_use)
+                    .min_by_key(|&i| {
+                        let factor = &self.factors[i];
+                        (!is_same(&factor.key, &point.key), factor.last_use)
+                    })
                     .unwrap_or(0);
                 self.factorizations += 1;
                 if !self.factors[oldest].make(problem, point) {

@@ -17,6 +17,9 @@ const HALVINGS: usize = 8;
 const SUFFICIENT_DECREASE: f64 = 1e-4;
 /// A step with an older factor must leave at most this share of the imbalance.
 const CONTRACTION: f64 = 0.1;
+/// Points among which a step of a patient descent must find one with more imbalance: where a node starts to slip or stops, the
+/// imbalance may have to rise before it falls.
+const MEMORY: usize = 3;
 /// A step that leaves more than this share of the imbalance is slow.
 const SLOW: f64 = 0.5;
 
@@ -27,6 +30,10 @@ pub(super) struct Newton {
     pub slopes: Slopes,
     pub direction: Direction,
     pub cache: FactorCache,
+    /// Whether the imbalance may rise for a few steps.
+    pub is_patient: bool,
+    /// Imbalance of the last points, the latest last.
+    past: [f64; MEMORY],
     /// Steps taken so far.
     pub steps: u64,
 }
@@ -68,6 +75,13 @@ impl Budget {
     }
 }
 
+/// Numbers between -1 and 1 without a pattern: the fractions of multiples of the golden ratio, and of their products.
+fn noise(i: usize, number: u32) -> f64 {
+    let golden = 0.618_033_988_749_894_9;
+    let first = (golden * (i + 1) as f64).fract();
+    2.0 * (1e3 * first * (1.0 + f64::from(number))).fract() - 1.0
+}
+
 impl Newton {
     pub fn new(nodes: usize, components: usize) -> Newton {
         let len = nodes * (components + 1);
@@ -77,6 +91,8 @@ impl Newton {
             slopes: vec![[0.0; 2]; nodes],
             direction: Direction::new(len),
             cache: FactorCache::new(nodes, components),
+            is_patient: false,
+            past: [0.0; MEMORY],
             steps: 0,
         }
     }
@@ -89,6 +105,24 @@ impl Newton {
         self.accepted.project(problem, &self.slopes);
     }
 
+    /// Starts from velocities that have nothing to do with a last solution: zeros, or numbers without a pattern as large as the
+    /// loads would make them, others for every `number`.
+    pub fn start_anew(&mut self, problem: &PressedProblem, number: u32) {
+        let Newton {
+            accepted, slopes, ..
+        } = self;
+        let sizes = problem.r.iter().zip(problem.yielding);
+        let largest = sizes.fold(0.0_f64, |most, (r, yielding)| {
+            most.max((r * yielding).abs())
+        });
+        for (i, v) in accepted.v.iter_mut().enumerate() {
+            *v = f64::from(number) * noise(i, number) * largest;
+        }
+        accepted.f.fill(0.0);
+        set_slopes(problem, &accepted.f, slopes);
+        accepted.project(problem, slopes);
+    }
+
     /// Steps until the problem is solved, no step helps or `most` have been taken.
     pub fn descend(
         &mut self,
@@ -99,6 +133,7 @@ impl Newton {
         at: &mut PressedPoint,
     ) -> Outcome {
         let mut is_slow = true;
+        self.past = [0.0; MEMORY];
         for step in 0.. {
             let residual = worst_node(problem, &self.accepted).0;
             if residual <= tolerance {
@@ -150,10 +185,19 @@ impl Newton {
         if !self.find(problem, at) {
             return false;
         }
+        self.past.rotate_left(1);
+        self.past[MEMORY - 1] = self.accepted.merit;
+        let reference = if self.is_patient {
+            self.past
+                .iter()
+                .fold(0.0, |most: f64, past| most.max(*past))
+        } else {
+            self.accepted.merit
+        };
         let mut length = 1.0;
         for _ in 0..=HALVINGS {
             self.advance(problem, length);
-            let most = (1.0 - SUFFICIENT_DECREASE * length) * self.accepted.merit;
+            let most = (1.0 - SUFFICIENT_DECREASE * length) * reference;
             // not a number is no decrease
             if self.trial.merit <= most {
                 std::mem::swap(&mut self.accepted, &mut self.trial);

@@ -55,8 +55,9 @@ pub fn project_normal(problem: &PressedProblem, node: usize, rho: f64, v: f64, p
     let force = p - rho * (v - closing);
     match problem.condition {
         NormalCondition::Bilateral => Normal::closed(closing, force),
-        NormalCondition::Unilateral if force > 0.0 => Normal::closed(closing, force),
-        NormalCondition::Unilateral => Normal::open(open),
+        NormalCondition::Unilateral if force <= 0.0 => Normal::open(open),
+        // what is not a number must show
+        NormalCondition::Unilateral => Normal::closed(closing, force),
         NormalCondition::Compliance { exponent } => {
             let foundation = Foundation {
                 stiffness: problem.stiffness[node],
@@ -64,7 +65,7 @@ pub fn project_normal(problem: &PressedProblem, node: usize, rho: f64, v: f64, p
                 gap_base: problem.gap_base[node],
                 gap_rate: problem.gap_rate,
             };
-            foundation.project(rho, open, force)
+            foundation.project(rho, open, force, v)
         }
     }
 }
@@ -78,51 +79,48 @@ struct Foundation {
 }
 
 impl Foundation {
-    /// Force at a depth, N.
-    fn force(&self, depth: f64) -> f64 {
-        if self.exponent == 1.0 {
-            self.stiffness * depth
-        } else {
-            self.stiffness * depth.powf(self.exponent)
-        }
-    }
-
-    /// Its derivative by the depth, N/m.
-    fn slope(&self, depth: f64) -> f64 {
-        if self.exponent == 1.0 {
-            self.stiffness
-        } else {
-            self.exponent * self.stiffness * depth.powf(self.exponent - 1.0)
-        }
+    /// Force at a depth, N, and its derivative by the depth, N/m.
+    fn force(&self, depth: f64) -> [f64; 2] {
+        // a power of a small depth alone would leave the range of numbers
+        let power = match self.exponent {
+            1.0 => 1.0,
+            1.5 => depth.sqrt(),
+            2.0 => depth,
+            exponent => depth.powf(exponent - 1.0),
+        };
+        let secant = self.stiffness * power;
+        [secant * depth, self.exponent * secant]
     }
 
     fn depth(&self, velocity: f64) -> f64 {
-        (-(self.gap_base + self.gap_rate * velocity)).max(0.0)
+        let gap = self.gap_base + self.gap_rate * velocity;
+        if gap >= 0.0 { 0.0 } else { -gap }
     }
 
     fn at(&self, velocity: f64, depth: f64) -> Normal {
+        let [force, slope] = self.force(depth);
         Normal {
             velocity,
-            force: self.force(depth),
+            force,
             is_free: true,
-            fall: self.slope(depth) * self.gap_rate,
+            fall: slope * self.gap_rate,
         }
     }
 
-    /// `open` is the velocity without any force, `force` what a rigid foundation would bear.
-    fn project(&self, rho: f64, open: f64, force: f64) -> Normal {
+    /// `open` is the velocity without any force, `force` what a rigid foundation would bear, `guess` a velocity to begin with.
+    fn project(&self, rho: f64, open: f64, force: f64, guess: f64) -> Normal {
         let deepest = self.depth(open);
         if deepest == 0.0 {
             return Normal::open(open);
         }
         if self.gap_rate == 0.0 {
-            let force = self.force(deepest);
+            let [force, _] = self.force(deepest);
             return self.at(open + force / rho, deepest);
         }
         // a foundation stiffer than the body: the depth keeps the digits of the force
         let per_depth = rho / self.gap_rate;
         if force.is_finite() && per_depth.is_finite() {
-            let depth = self.balance(per_depth, force);
+            let depth = self.balance(per_depth, force, self.depth(guess));
             let found = self.at((-self.gap_base - depth) / self.gap_rate, depth);
             if found.fall >= rho {
                 return found;
@@ -132,15 +130,12 @@ impl Foundation {
         let mut velocity = open;
         for _ in 0..EVALUATIONS {
             let depth = self.depth(velocity);
-            let imbalance = rho * (velocity - open) - self.force(depth);
-            let next = velocity - imbalance / (rho + self.slope(depth) * self.gap_rate);
-            // rounding has the last word, and what is not a number too
-            let is_moving = next > velocity;
-            velocity = if next.is_nan() {
-                next
-            } else {
-                velocity.max(next)
-            };
+            let [force, slope] = self.force(depth);
+            let imbalance = rho * (velocity - open) - force;
+            let next = velocity - imbalance / (rho + slope * self.gap_rate);
+            let is_moving = next - velocity > EXACT * velocity.abs();
+            // rounding may turn the last step back; what is not a number must show
+            velocity = if next <= velocity { velocity } else { next };
             if !is_moving {
                 break;
             }
@@ -148,17 +143,26 @@ impl Foundation {
         self.at(velocity, self.depth(velocity))
     }
 
-    /// The depth where `force(depth) + per_depth depth = total`, from the deep side: convex, so no iterate passes it.
-    fn balance(&self, per_depth: f64, total: f64) -> f64 {
+    /// The depth where `force(depth) + per_depth depth = total`. The sum is convex: Newton's method comes from the deep side
+    /// after the first step, wherever `guess` is.
+    fn balance(&self, per_depth: f64, total: f64, guess: f64) -> f64 {
         if self.exponent == 1.0 {
             return total / (self.stiffness + per_depth);
         }
-        let alone = (total / self.stiffness).powf(1.0 / self.exponent);
-        let mut depth = (total / per_depth).min(alone);
+        let next = |depth: f64| {
+            let [force, slope] = self.force(depth);
+            depth - (force + per_depth * depth - total) / (slope + per_depth)
+        };
+        let deepest = total / per_depth;
+        let mut depth = if guess > 0.0 && guess < deepest {
+            next(guess).min(deepest)
+        } else {
+            let alone = (total / self.stiffness).powf(1.0 / self.exponent);
+            deepest.min(alone)
+        };
         for _ in 0..EVALUATIONS {
-            let excess = self.force(depth) + per_depth * depth - total;
-            let next = depth - excess / (self.slope(depth) + per_depth);
-            let is_moving = next < depth && next > 0.0;
+            let next = next(depth);
+            let is_moving = depth - next > EXACT * depth && next > 0.0;
             if !is_moving {
                 break;
             }
@@ -179,13 +183,15 @@ pub struct Friction {
     pub law: PressedBound,
 }
 
-/// The slip rate at which `rho rate + B(rate, p) = pull`, or rest where the bound at rest holds the pull.
+/// The slip rate at which `rho rate + B(rate, p) = pull`, or rest where the bound at rest holds the pull. `guess` is a rate to
+/// begin with.
 pub fn project_tangential(
     problem: &PressedProblem,
     node: usize,
     rho: f64,
     pull: f64,
     force: f64,
+    guess: f64,
 ) -> Friction {
     let at_rest = problem.bound(node, 0.0, force);
     let rest = |slips| Friction {
@@ -200,6 +206,10 @@ pub fn project_tangential(
     // NaN ends here too
     let (mut low, mut high) = (0.0, pull / rho);
     let mut rate = (pull - at_rest.bound) / rho;
+    // a bound that does not begin to change is the same bound further on, as a rule
+    if at_rest.by_rate != 0.0 && low < guess && guess < high {
+        rate = guess;
+    }
     let mut descent = FIRST_DESCENT;
     let mut law = problem.bound(node, rate, force);
     let mut last_width = f64::INFINITY;
@@ -285,8 +295,9 @@ pub fn project(
         z[i] = f[i] + rho[0] * v[i];
     }
     let pull = norm(&z[..c]);
+    let guess = norm(&v[..c]);
     let Friction { slips, rate, law } =
-        project_tangential(problem, node, rho[0], pull, normal.force);
+        project_tangential(problem, node, rho[0], pull, normal.force, guess);
     let direction = match z {
         _ if pull > 0.0 => z.map(|z| z / pull),
         _ => [1.0, 0.0],

@@ -2,7 +2,7 @@
 
 use super::node::{Node, project};
 use super::problem::PressedProblem;
-use crate::linalg::multiply;
+use crate::linalg::{dot, multiply};
 
 /// Velocities and forces that fit each other at every node, and all that follows from them.
 pub struct Point {
@@ -70,21 +70,21 @@ impl Point {
     }
 }
 
+/// Sums of squares between which neither overflow nor underflow of a square shows.
+const PLAIN_SQUARES: std::ops::Range<f64> = 1e-280..1e300;
+
 /// Length of the imbalance, N; NaN where it is not a number.
 fn length(imbalance: &[f64]) -> f64 {
-    let mut largest = 0.0;
-    for imbalance in imbalance {
-        if imbalance.is_nan() {
-            return f64::NAN;
-        }
-        largest = f64::max(largest, imbalance.abs());
+    let squares = dot(imbalance, imbalance);
+    if PLAIN_SQUARES.contains(&squares) || squares.is_nan() {
+        return squares.sqrt();
     }
+    let largest = imbalance.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
     if largest == 0.0 || largest.is_infinite() {
         return largest;
     }
-    // squares of forces may leave the range of numbers
-    let squares = imbalance.iter().map(|value| (value / largest).powi(2));
-    largest * squares.sum::<f64>().sqrt()
+    let scaled = imbalance.iter().map(|value| (value / largest).powi(2));
+    largest * scaled.sum::<f64>().sqrt()
 }
 
 /// Slopes before anything is known of the forces.

@@ -2,7 +2,7 @@
 
 use super::newton::{Budget, Outcome};
 use super::problem::{PressedBound, PressedBounds, PressedProblem};
-use super::solve::Chain;
+use super::solve::{Chain, SWEEPS};
 use crate::contact::SlipPath;
 
 /// Bounds that depend on nothing, N.
@@ -48,15 +48,15 @@ const OUTER: usize = 30;
 const INNER: usize = 20;
 /// How exactly replaced problems are solved.
 const INNER_TOLERANCE: f64 = 1e-6;
-/// Change of the bounds, as a share of the largest, at which Newton's method takes over.
-const SETTLED: f64 = 1e-3;
 /// Steps in which friction is raised.
 const RISES: u32 = 8;
 
-/// Solves convex problems, each with the bounds that the last one gives, taken over by the share `relaxation`, until they settle.
+/// Solves convex problems, each with the bounds that the last one gives, taken over by the share `relaxation`, until
+/// they change by less than the share `settled` of the largest.
 pub(super) fn settle(
     problem: &PressedProblem,
     relaxation: f64,
+    settled: f64,
     budget: &mut Budget,
     chain: &mut Chain,
 ) {
@@ -80,7 +80,7 @@ pub(super) fn settle(
             largest = largest.max(new);
             *bound += relaxation * (new - *bound);
         }
-        let is_settled = change <= SETTLED * largest;
+        let is_settled = change <= settled * largest;
         if is_settled || change.is_nan() {
             break;
         }
@@ -121,7 +121,7 @@ fn approach(
         chain.descend_apart(&replaced, INNER_TOLERANCE, INNER, budget)
     };
     if descend(chain, budget) == Outcome::Stalled {
-        chain.sweep(&replaced, budget);
+        chain.sweep(&replaced, SWEEPS, budget);
         descend(chain, budget);
     }
 }

@@ -26,7 +26,8 @@ pub fn worst_node(problem: &PressedProblem, point: &Point) -> (f64, usize) {
     let mut worst = (0.0, 0);
     for node in 0..problem.nodes() {
         let residual = residual(problem, point, node, &measure);
-        if residual > worst.0 {
+        // what is not a number is the worst
+        if residual > worst.0 || residual.is_nan() {
             worst = (residual, node);
         }
     }
@@ -41,6 +42,7 @@ pub fn residual_beyond_rounding(
     tolerance: f64,
 ) -> Option<f64> {
     let measure = measure(problem, point)?;
+    let least = least_meeting(problem, point);
     let mut left: f64 = 0.0;
     for node in 0..problem.nodes() {
         let own = residual(problem, point, node, &measure);
@@ -49,7 +51,7 @@ pub fn residual_beyond_rounding(
             continue;
         }
         let imbalance = norm3(&point.imbalance[problem.at(node)]);
-        let scale = meeting(problem, point, node).max(measure.meeting);
+        let scale = meeting(problem, point, node).max(least);
         // NaN is beyond rounding
         if !(imbalance <= LARGEST_FLOOR * scale && imbalance <= rounding(problem, point, node)) {
             return None;
@@ -61,29 +63,42 @@ pub fn residual_beyond_rounding(
 
 /// Largest imbalance over the nodes, divided by the forces that meet.
 pub fn relative_imbalance(problem: &PressedProblem, point: &Point) -> f64 {
-    let Some(measure) = measure(problem, point) else {
+    if !point.merit.is_finite() {
         return f64::NAN;
-    };
+    }
+    let least = least_meeting(problem, point);
     (0..problem.nodes()).fold(0.0, |worst, node| {
-        let scale = meeting(problem, point, node).max(measure.meeting);
+        let scale = meeting(problem, point, node).max(least);
         f64::max(worst, norm3(&point.imbalance[problem.at(node)]) / scale)
     })
 }
 
 fn measure(problem: &PressedProblem, point: &Point) -> Option<Measure> {
-    let (mut bound, mut force, mut most, mut total) = (0.0_f64, 0.0_f64, 0.0_f64, 0.0);
-    for node in 0..problem.nodes() {
-        let scale = meeting(problem, point, node);
-        total += scale;
-        most = most.max(scale);
-        bound = bound.max(point.nodes[node].law.bound);
+    let (mut bound, mut force) = (0.0_f64, 0.0_f64);
+    for (node, at) in point.nodes.iter().enumerate() {
+        bound = bound.max(at.law.bound);
         force = force.max(point.f[problem.normal(node)].abs());
     }
-    total.is_finite().then_some(Measure {
-        bound: SCALE_FLOOR * bound,
-        force: SCALE_FLOOR * force,
-        meeting: (SCALE_FLOOR * most).max(f64::MIN_POSITIVE),
-    })
+    // a share of a number at the end of its range may be nothing
+    let (least_bound, least_force) = (SCALE_FLOOR * bound, SCALE_FLOOR * force);
+    let has_both = least_bound > 0.0 && least_force > 0.0;
+    let measure = Measure {
+        bound: least_bound,
+        force: least_force,
+        meeting: if has_both {
+            0.0
+        } else {
+            least_meeting(problem, point)
+        },
+    };
+    (bound + force + point.merit).is_finite().then_some(measure)
+}
+
+/// The forces that meet at a node at least, N, where they are what it is measured against.
+fn least_meeting(problem: &PressedProblem, point: &Point) -> f64 {
+    let all = (0..problem.nodes()).map(|node| meeting(problem, point, node));
+    let most = all.fold(0.0, f64::max);
+    (SCALE_FLOOR * most).max(f64::MIN_POSITIVE)
 }
 
 /// The imbalance of a node divided by what the node bears.

@@ -1,9 +1,11 @@
 //! The whole solver: Newton's method, and what leads it back where it stalls.
 //!
 //! 1. Newton's method from the warm start (see `newton`).
-//! 2. Sweeps over the nodes, then Newton's method.
+//! 2. Sweeps over the nodes, then Newton's method; from here on it is patient: the imbalance may rise for a few steps.
 //! 3. Convex problems with frozen bounds, the bounds taken over at once, by half or by a fifth, then Newton's method.
 //! 4. Friction raised in steps from none, then Newton's method.
+//!
+//! Between them stand starts that do not know the last solution: where the solution jumps, being near to the last one is no help.
 //!
 //! No energy decreases along the way: Coulomb friction is not the derivative of one. So whatever led there, a point is accepted by
 //! its residual alone.
@@ -17,14 +19,54 @@ use super::residual::worst_node;
 use super::sweep::sweep;
 use crate::linalg::multiply;
 
-/// Sweeps before Newton's method is tried again.
-const SWEEPS: usize = 60;
+/// Sweeps before Newton's method is tried again; every further time twice as many.
+pub(super) const SWEEPS: usize = 60;
 /// Sweeps that count as one iteration: about as long as a Newton step takes.
 const SWEEPS_OF_ITERATION: usize = 10;
 /// Newton steps in a row after which something else is tried.
 const STEPS: usize = 40;
-/// Shares of the new bounds that the frozen ones take over.
-const RELAXATIONS: [f64; 3] = [1.0, 0.5, 0.2];
+/// How often sweeps are continued.
+const TURNS: usize = 3;
+/// Changes of frozen bounds, as a share of the largest, at which Newton's method is tried.
+const SETTLED: [f64; 3] = [1e-3, 3e-5, 1e-6];
+
+/// A way to a point from which Newton's method may find a solution.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Stage {
+    Sweeps,
+    /// A start that does not know the last solution: zeros, and further ones some velocities without a pattern.
+    Anew(u32),
+    /// Frozen bounds that take over this share of the new ones.
+    Frozen(f64),
+    /// Friction raised in steps.
+    Raised,
+}
+
+/// What is tried in turn where Newton's method stalls.
+const STAGES: &[Stage] = &[
+    Stage::Sweeps,
+    Stage::Anew(0),
+    Stage::Sweeps,
+    Stage::Frozen(1.0),
+    Stage::Frozen(0.5),
+    Stage::Frozen(0.2),
+    Stage::Raised,
+    Stage::Anew(1),
+    Stage::Sweeps,
+    Stage::Anew(2),
+    Stage::Sweeps,
+    Stage::Anew(3),
+    Stage::Sweeps,
+    Stage::Frozen(0.5),
+];
+
+/// A problem that is being solved.
+struct Task<'a, 'p, 'l> {
+    problem: &'a PressedProblem<'p>,
+    tolerance: f64,
+    budget: Budget,
+    at: &'a mut PressedPoint<'l>,
+}
 
 /// What a solve reached.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,6 +116,8 @@ pub(super) struct Chain {
     forces: Vec<f64>,
     /// The point of the least imbalance where Newton's method stalled.
     best: Point,
+    /// Where sweeps led.
+    swept: Point,
     pub work: PressedWork,
 }
 
@@ -88,6 +132,7 @@ impl PressedWorkspace {
                 apart: vec![0.0; points_len(nodes, components)],
                 forces: vec![0.0; len],
                 best: Point::new(nodes, len),
+                swept: Point::new(nodes, len),
                 work: PressedWork::default(),
             },
         }
@@ -120,10 +165,10 @@ impl Chain {
     }
 
     /// Some sweeps.
-    pub fn sweep(&mut self, problem: &PressedProblem, budget: &mut Budget) {
+    pub fn sweep(&mut self, problem: &PressedProblem, count: usize, budget: &mut Budget) {
         let point = &mut self.newton.accepted;
         multiply(problem.s, &point.v, &mut self.forces);
-        for sweep_count in 0..SWEEPS {
+        for sweep_count in 0..count {
             if sweep_count.is_multiple_of(SWEEPS_OF_ITERATION) && !budget.take() {
                 break;
             }
@@ -133,45 +178,74 @@ impl Chain {
         point.project(problem, &self.newton.slopes);
     }
 
-    fn run(
-        &mut self,
-        problem: &PressedProblem,
-        tolerance: f64,
-        budget: &mut Budget,
-        at: &mut PressedPoint,
-    ) -> Outcome {
-        let first = self.newton.descend(problem, tolerance, STEPS, budget, at);
+    fn run(&mut self, task: &mut Task) -> Outcome {
+        self.newton.is_patient = false;
+        let first = self.descend(task);
         self.best.copy_from(&self.newton.accepted);
         // what is not a number leads nowhere
         if first != Outcome::Stalled || !self.best.merit.is_finite() {
             return first;
         }
-        self.sweep(problem, budget);
-        let second = self.newton.descend(problem, tolerance, STEPS, budget, at);
-        if self.keep_best(second) {
-            return second;
-        }
-        for relaxation in RELAXATIONS {
-            replaced::settle(problem, relaxation, budget, self);
-            let outcome = self.newton.descend(problem, tolerance, STEPS, budget, at);
-            if self.keep_best(outcome) {
+        self.newton.is_patient = true;
+        for stage in STAGES {
+            let outcome = self.run_stage(*stage, task);
+            if outcome != Outcome::Stalled {
                 return outcome;
             }
         }
-        replaced::raise(problem, budget, self);
-        let last = self.newton.descend(problem, tolerance, STEPS, budget, at);
-        self.keep_best(last);
-        last
+        Outcome::Stalled
     }
 
-    /// Whether this is the end; otherwise the accepted point is kept if it is the best one.
-    fn keep_best(&mut self, outcome: Outcome) -> bool {
+    fn run_stage(&mut self, stage: Stage, task: &mut Task) -> Outcome {
+        match stage {
+            Stage::Sweeps => self.sweep_and_descend(task),
+            Stage::Frozen(relaxation) => {
+                for settled in SETTLED {
+                    replaced::settle(task.problem, relaxation, settled, &mut task.budget, self);
+                    let outcome = self.descend(task);
+                    if outcome != Outcome::Stalled {
+                        return outcome;
+                    }
+                }
+                Outcome::Stalled
+            }
+            Stage::Raised => {
+                replaced::raise(task.problem, &mut task.budget, self);
+                self.descend(task)
+            }
+            Stage::Anew(number) => {
+                self.newton.start_anew(task.problem, number);
+                self.descend(task)
+            }
+        }
+    }
+
+    /// More and more sweeps, each time from where the last ones led, and Newton's method from there.
+    fn sweep_and_descend(&mut self, task: &mut Task) -> Outcome {
+        self.swept.copy_from(&self.newton.accepted);
+        for turn in 0..TURNS {
+            self.newton.accepted.copy_from(&self.swept);
+            self.sweep(task.problem, SWEEPS << turn, &mut task.budget);
+            self.swept.copy_from(&self.newton.accepted);
+            let outcome = self.descend(task);
+            if outcome != Outcome::Stalled {
+                return outcome;
+            }
+        }
+        Outcome::Stalled
+    }
+
+    /// Newton's method for the problem itself; a point that it ends at is kept if it is the best one.
+    fn descend(&mut self, task: &mut Task) -> Outcome {
+        let (problem, tolerance) = (task.problem, task.tolerance);
+        let Task { budget, at, .. } = task;
+        let outcome = self.newton.descend(problem, tolerance, STEPS, budget, at);
         let accepted = &self.newton.accepted;
-        let is_better = accepted.merit < self.best.merit || self.best.merit.is_nan();
+        let is_better = accepted.merit < self.best.merit;
         if outcome.is_solution() || is_better {
             self.best.copy_from(accepted);
         }
-        outcome != Outcome::Stalled
+        outcome
     }
 }
 
@@ -192,10 +266,15 @@ pub fn solve(
 ) -> PressedSolution {
     let chain = &mut ws.chain;
     chain.newton.start(problem, velocity, force);
-    let mut budget = Budget {
-        left: max_iterations,
+    let mut task = Task {
+        problem,
+        tolerance,
+        budget: Budget {
+            left: max_iterations,
+        },
+        at,
     };
-    let outcome = chain.run(problem, tolerance, &mut budget, at);
+    let outcome = chain.run(&mut task);
     let (residual, node) = worst_node(problem, &chain.best);
     if !residual.is_nan() {
         velocity.copy_from_slice(&chain.best.v);
@@ -207,7 +286,7 @@ pub fn solve(
     }
     let converged = outcome.is_solution();
     PressedSolution {
-        iterations: max_iterations - budget.left,
+        iterations: max_iterations - task.budget.left,
         residual: match outcome {
             Outcome::AtRounding(left) => left,
             _ => residual,

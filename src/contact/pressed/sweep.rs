@@ -39,8 +39,9 @@ pub(super) fn sweep(problem: &PressedProblem, point: &mut Point, forces: &mut [f
             for k in 0..c {
                 z[k] = resistance[0] * v[k] - local[k];
             }
-            let pull = norm(&z[..c]);
-            let friction = project_tangential(problem, node, resistance[0], pull, normal.force);
+            let (pull, guess) = (norm(&z[..c]), norm(&v[..c]));
+            let friction =
+                project_tangential(problem, node, resistance[0], pull, normal.force, guess);
             let rate = friction.rate;
             for k in 0..c {
                 let direction = if pull > 0.0 { z[k] / pull } else { 0.0 };

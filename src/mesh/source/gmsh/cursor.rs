@@ -18,6 +18,8 @@ pub(super) enum Encoding {
 pub(super) struct Cursor<'a> {
     bytes: &'a [u8],
     at: usize,
+    /// Where the last word, number or line began: the place of messages.
+    mark: usize,
     pub encoding: Encoding,
     /// Name of the section, for messages.
     pub section: String,
@@ -39,6 +41,7 @@ impl<'a> Cursor<'a> {
         Cursor {
             bytes,
             at: 0,
+            mark: 0,
             encoding: Encoding::Text,
             section: String::new(),
         }
@@ -53,10 +56,10 @@ impl<'a> Cursor<'a> {
     pub fn fault(&self, found: impl std::fmt::Display, allowed: impl std::fmt::Display) -> Fault {
         let place = match self.encoding {
             Encoding::Text => {
-                let lines = self.bytes[..self.at].iter().filter(|b| **b == b'\n');
+                let lines = self.bytes[..self.mark].iter().filter(|b| **b == b'\n');
                 format!("line {}", lines.count() + 1)
             }
-            Encoding::Binary { .. } => format!("byte {}", self.at),
+            Encoding::Binary { .. } => format!("byte {}", self.mark),
         };
         match self.section.as_str() {
             "" => Fault::new(format!("{found} ({place})"), allowed),
@@ -76,6 +79,7 @@ impl<'a> Cursor<'a> {
     /// The next word of text, whatever the encoding of numbers.
     fn word(&mut self, wanted: &str) -> Outcome<&'a str> {
         self.skip_blanks();
+        self.mark = self.at;
         let rest = &self.bytes[self.at..];
         let length = rest.iter().take_while(|b| !is_blank(**b)).count();
         if length == 0 {
@@ -83,7 +87,6 @@ impl<'a> Cursor<'a> {
         }
         let word = std::str::from_utf8(&rest[..length])
             .map_err(|_| self.fault("bytes that are no text", wanted))?;
-        // only now, so that the fault names the line of the word
         if word.starts_with('$') {
             return Err(self.fault(format!("{:?} too early", cut(word)), wanted));
         }
@@ -98,6 +101,7 @@ impl<'a> Cursor<'a> {
     }
 
     fn raw<const N: usize>(&mut self, wanted: &str) -> Outcome<[u8; N]> {
+        self.mark = self.at;
         let Some(raw) = self.bytes[self.at..].first_chunk::<N>() else {
             return Err(self.end(wanted));
         };
@@ -177,6 +181,7 @@ impl<'a> Cursor<'a> {
 
     /// The rest of the line, as text.
     pub fn line(&mut self) -> &'a [u8] {
+        self.mark = self.at;
         let rest = &self.bytes[self.at..];
         let length = rest.iter().take_while(|b| **b != b'\n').count();
         self.at += (length + 1).min(rest.len());
@@ -202,7 +207,6 @@ impl<'a> Cursor<'a> {
         if self.left() == 0 {
             return Ok(None);
         }
-        let start = self.at;
         let line = self.line();
         let name = line.strip_prefix(b"$").map(|name| name.trim_ascii());
         match name.and_then(|name| std::str::from_utf8(name).ok()) {
@@ -211,7 +215,6 @@ impl<'a> Cursor<'a> {
                 Ok(Some(name.to_owned()))
             }
             _ => {
-                self.at = start;
                 let shown = cut(&String::from_utf8_lossy(line));
                 let allowed = "a section of an MSH file, as $MeshFormat or $Nodes";
                 Err(self.fault(format!("{shown:?}"), allowed))
@@ -222,13 +225,11 @@ impl<'a> Cursor<'a> {
     /// The end of the section.
     pub fn end_section(&mut self) -> Outcome<()> {
         self.skip_blanks();
-        let start = self.at;
         let line = self.line().trim_ascii();
         let wanted = format!("$End{}", self.section);
         if line == wanted.as_bytes() {
             return Ok(());
         }
-        self.at = start;
         let shown = cut(&String::from_utf8_lossy(&line[..line.len().min(40)]));
         let found = match shown.is_empty() {
             true => "the end of the file".to_owned(),

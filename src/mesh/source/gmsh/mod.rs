@@ -2,13 +2,14 @@
 //!
 //! The crate `mshio` was looked at: it reads 4.1 alone, without `$PhysicalNames`, panics on what it does not know, and is no
 //! longer maintained. So the sections that a body needs are read here (`contents`, `version4`, `version2`), and everything a
-//! file may get wrong is checked (`cells`, `names`, `parts`). Memory is taken only as far as the file is long enough for what
+//! file may get wrong is checked (`found`, `cells`, `names`, `parts`). Memory is taken only as far as the file is long enough for what
 //! it announces. Other sections are skipped: `$Periodic` says how Gmsh made the mesh, not that two sides move together.
 
 mod cells;
 mod contents;
 mod cursor;
 mod fault;
+mod found;
 mod names;
 mod parts;
 mod types;

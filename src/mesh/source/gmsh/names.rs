@@ -1,8 +1,8 @@
 //! Names of physical groups: those of dimension d are regions, those of dimension d - 1 parts.
 
-use super::cells::entity_name;
 use super::contents::{Block, Contents};
 use super::fault::{Fault, Outcome};
+use super::types::entity_name;
 use crate::mesh::source::BODY;
 use crate::message::cut;
 use std::collections::{BTreeMap, BTreeSet};

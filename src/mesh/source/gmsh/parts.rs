@@ -3,10 +3,11 @@
 //! A group may hold what is no boundary, as the border between two regions. It is no part then, and the mesh keeps the reason
 //! for whoever names it.
 
-use super::cells::{Cells, entity_name};
+use super::cells::Cells;
 use super::contents::Contents;
 use super::fault::{Fault, Outcome};
 use super::names::Names;
+use super::types::entity_name;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Mark of the corner that a side of a triangle does not have.

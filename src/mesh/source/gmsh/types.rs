@@ -104,3 +104,8 @@ impl ElementType {
         }
     }
 }
+
+/// What Gmsh calls an entity.
+pub(super) fn entity_name(dimension: usize) -> &'static str {
+    ["point", "curve", "surface", "volume"][dimension.min(3)]
+}
