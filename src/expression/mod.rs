@@ -8,7 +8,7 @@
 //! atom    = number | variable | constant | function "(" sum { "," sum } ")" | "(" sum ")"
 //! ```
 //!
-//! Constants are `pi` and `e`; functions those of [`function::FUNCTIONS`]. Derivatives come from evaluation with dual numbers: exact but
+//! Constants are `pi` and `e`; functions those of `function.rs`. Derivatives come from evaluation with dual numbers: exact but
 //! for rounding. At a kink (`abs`, `min`, `max`) they are those of one of its sides.
 
 mod dual;

@@ -1,16 +1,14 @@
 //! The friction of a scene: one of the laws, with the coefficients that it declares.
 //!
-//! Schema, reading and writing follow from [`LAWS`] and [`KINDS`]; nothing here knows a law by name.
+//! Schema, reading and writing follow from the lists of laws and kinds (`contact::law`); nothing here knows a law by name.
 
-use crate::contact::law::{
-    Coefficient, Extent, FrictionLaw, Given, KINDS, LAWS, Law, Omitted, Role,
-};
-use schemars::{JsonSchema, Schema, SchemaGenerator};
+mod schema;
+
+use crate::contact::law::{Coefficient, Extent, Given, Law, Omitted, Role};
 use serde::de::Error as _;
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::{Map, Value, json};
-use std::borrow::Cow;
 
 /// Key of a coefficient that is given node by node.
 const NODES: &str = "nodes";
@@ -51,146 +49,6 @@ impl Friction {
             Given::Nodes(values) => values.iter().all(|v| *v == 0.0),
             given => *given == Given::Absent,
         })
-    }
-}
-
-impl JsonSchema for Friction {
-    fn schema_name() -> Cow<'static, str> {
-        "Friction".into()
-    }
-
-    fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        let named = |role, kind: &&dyn FrictionLaw| Law::find(role, kind.name());
-        let own = LAWS.iter().filter_map(|law| named(Role::Own, law));
-        let mut laws: Vec<Value> = own.map(|law| variant(law, "law")).collect();
-        for role in Role::OF_KINDS {
-            let kinds = KINDS.iter().filter_map(|kind| named(role, kind));
-            let kinds: Vec<Value> = kinds.map(|law| variant(law, "kind")).collect();
-            laws.extend(of_kinds(role, &kinds));
-        }
-        let mut schema = Schema::default();
-        let text = "Friction: a bound g of the tangential stress as a function of the slip rate r >= 0 (m/s), or Coulomb's law.";
-        schema.insert("description".into(), text.into());
-        schema.insert("oneOf".into(), laws.into());
-        schema
-    }
-}
-
-/// Schema of a role whose kinds have these schemas.
-fn of_kinds(role: Role, kinds: &[Value]) -> Option<Value> {
-    let [name, key] = role.words()?;
-    let constant = Law::constant(role);
-    let number = coefficient(constant.coefficient(0), constant.unit(0));
-    let (text, meaning) = match role {
-        Role::Own | Role::Bound => (
-            "A bound of one of several kinds.",
-            "Bound, Pa: a number, one per node, or a function of the slip rate.",
-        ),
-        Role::Coulomb { .. } => (
-            "Coulomb's law: the bound is `min(cap, cohesion + coefficient * pressure)`.",
-            "Coefficient of friction: a number, one per node, or a function of the slip rate.",
-        ),
-    };
-    let mut value = number["anyOf"].as_array().cloned().unwrap_or_default();
-    value.push(json!({"oneOf": kinds}));
-    let mut members = Map::new();
-    members.insert("law".into(), json!({"type": "string", "const": name}));
-    members.insert(key.into(), json!({"description": meaning, "anyOf": value}));
-    insert_coefficients(&mut members, role.coefficients(), role);
-    if let Role::Coulomb { .. } = role {
-        let meaning = "Whether the bound is that of the magnitude of the pressure, so that tension counts too; default: only compression counts.";
-        let choice = json!({"type": "boolean", "description": meaning, "default": false});
-        members.insert(TENSION.into(), choice);
-    }
-    Some(json!({
-        "description": text,
-        "type": "object",
-        "properties": members,
-        "required": ["law", key],
-        "additionalProperties": false,
-    }))
-}
-
-/// Schema of a law: its name under `tag`, and its coefficients without those of its role.
-fn variant(law: Law, tag: &str) -> Value {
-    let mut members = Map::new();
-    members.insert(tag.into(), json!({"type": "string", "const": law.name()}));
-    let declared = law.kind().coefficients();
-    insert_coefficients(&mut members, declared, law.role());
-    let needed = declared.iter().filter(|c| c.omitted == Omitted::Refused);
-    let required: Vec<&str> = [tag].into_iter().chain(needed.map(|c| c.name)).collect();
-    json!({
-        "description": law.kind().text(),
-        "type": "object",
-        "properties": members,
-        "required": required,
-        "additionalProperties": false,
-    })
-}
-
-fn insert_coefficients(members: &mut Map<String, Value>, declared: &[Coefficient], role: Role) {
-    for declared in declared {
-        let unit = role.unit(declared.unit);
-        members.insert(declared.name.into(), coefficient(declared, unit));
-    }
-}
-
-/// Schema of a coefficient: a number or one per node, or the points of a curve.
-fn coefficient(declared: &Coefficient, unit: &str) -> Value {
-    let text = meaning(declared, unit);
-    let mut number = Map::new();
-    number.insert("type".into(), "number".into());
-    number.insert("format".into(), "double".into());
-    let bound = match declared.range.is_open {
-        true => "exclusiveMinimum",
-        false => "minimum",
-    };
-    let least = declared.range.least;
-    let is_whole = least.fract() == 0.0;
-    let least = if is_whole {
-        json!(least as i64)
-    } else {
-        json!(least)
-    };
-    number.insert(bound.into(), least);
-    let list = json!({"type": "array", "items": number, "minItems": 1});
-    let mut schema = match declared.extent {
-        Extent::Points => list,
-        Extent::Choice(words) => json!({"type": "string", "enum": words}),
-        Extent::Formula => json!({"type": "string"}),
-        Extent::Grid => {
-            let rows = json!({"type": "array", "items": list, "minItems": 1});
-            json!({"anyOf": [list, rows]})
-        }
-        Extent::Nodes => {
-            number.insert("description".into(), text.clone().into());
-            json!({"anyOf": [number, {
-                "description": "One number per contact node.",
-                "type": "object",
-                "properties": {NODES: list},
-                "required": [NODES],
-                "additionalProperties": false,
-            }, {
-                "description": "A formula of x, y, z (m), evaluated at the contact nodes.",
-                "type": "object",
-                "properties": {EXPRESSION: {"type": "string", "description": "Formula of x, y, z (m), e.g. `0.3 + 0.1 * x`."}},
-                "required": [EXPRESSION],
-                "additionalProperties": false,
-            }]})
-        }
-    };
-    schema["description"] = text.into();
-    if let Omitted::Means(default) = declared.omitted {
-        schema["default"] = default.into();
-    }
-    schema
-}
-
-/// What a coefficient means, with its unit in words: `Pa.s/m` is `Pa s/m`, and a number has none.
-fn meaning(declared: &Coefficient, unit: &str) -> String {
-    match unit {
-        "1" => declared.text.replace(", {}", ""),
-        unit => declared.text.replace("{}", &unit.replace('.', " ")),
     }
 }
 
