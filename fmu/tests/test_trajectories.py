@@ -12,7 +12,7 @@ import pytest
 from raw import OK, Instance, Library
 from trajectories import FIELDS, REFERENCES, ROOT, fmpy_run, rust_run
 
-MOVING = ["brake_pad_3d", "seal", "sheared_column"]
+MOVING = ["belt", "brake_pad_3d", "disc_brake", "fault", "seal", "sheared_column", "snap"]
 
 
 def check_bits(fmu):
