@@ -219,6 +219,39 @@ const char *stickslip_version(void);
 // `STICKSLIP_ABI_VERSION` of the library: compare it with that of the header. Any thread.
 uint32_t stickslip_abi_version(void);
 
+// Compiles `scene`, the NUL-terminated UTF-8 text of a scene.json, into `*model`. Takes from milliseconds to seconds; the
+// caller frees the model. Errors: `SCENE` (also for a scene that needs more memory than its `fidelity.memory_limit`, or than
+// there is), `BODY`, `REDUCTION_INACCURATE`, `NOT_POSITIVE_DEFINITE`, `UNSTABLE` (unless the scene says `time.force`), `NULL`.
+// Any thread.
+int32_t stickslip_model_compile(const char *scene,
+                                struct stickslip_model **model);
+
+// `stickslip_model_compile` that calls `progress` some tens of times on the caller's thread, between factorizations, and stops
+// when it asks for that: `*model` is then left alone. `progress` NULL: as `stickslip_model_compile`. Errors: those of
+// `stickslip_model_compile`, `CANCELLED`. Any thread.
+int32_t stickslip_model_compile_with(const char *scene,
+                                     stickslip_progress progress,
+                                     void *user_data,
+                                     struct stickslip_model **model);
+
+// `stickslip_model_compile_with` for the scene file at `path` (UTF-8), with the files of its folder: the mesh that a scene names is
+// looked for there. The model keeps the bytes of what it was made from, also in `stickslip_model_save`. `progress` may be NULL. Errors:
+// those of `stickslip_model_compile_with`; `SCENE` also for a scene file or a mesh file that cannot be read. Any thread.
+int32_t stickslip_model_compile_file(const char *path,
+                                     stickslip_progress progress,
+                                     void *user_data,
+                                     struct stickslip_model **model);
+
+// `stickslip_model_compile_with` for a scene whose files are in memory: `files` are `count` of them, by the names that the scene calls
+// them. Nothing of them is kept but copies of those that the scene names, in the model. `progress` may be NULL. Errors: those of
+// `stickslip_model_compile_with`; `SCENE` also for a file that is not among them or cannot be used. Any thread.
+int32_t stickslip_model_compile_files(const char *scene,
+                                      const struct stickslip_file *files,
+                                      size_t count,
+                                      stickslip_progress progress,
+                                      void *user_data,
+                                      struct stickslip_model **model);
+
 // Writes the derivative of all outputs at the end of the last step by its inputs, whatever
 // they mean (`stickslip_set_inputs_meaning`), along `seed`:
 // `derivative = (d outputs / d inputs) seed`, from the consistent tangent. `seed` has one value per input, `derivative` is
@@ -280,39 +313,6 @@ int32_t stickslip_set_input_slope(struct stickslip_simulator *simulator,
 
 // Takes the slope of an input away again. Errors: `UNKNOWN`, `CALL_ORDER` for a port that is no input.
 int32_t stickslip_clear_input_slope(struct stickslip_simulator *simulator, uint32_t reference);
-
-// Compiles `scene`, the NUL-terminated UTF-8 text of a scene.json, into `*model`. Takes from milliseconds to seconds; the
-// caller frees the model. Errors: `SCENE` (also for a scene that needs more memory than its `fidelity.memory_limit`, or than
-// there is), `BODY`, `REDUCTION_INACCURATE`, `NOT_POSITIVE_DEFINITE`, `UNSTABLE` (unless the scene says `time.force`), `NULL`.
-// Any thread.
-int32_t stickslip_model_compile(const char *scene,
-                                struct stickslip_model **model);
-
-// `stickslip_model_compile` that calls `progress` some tens of times on the caller's thread, between factorizations, and stops
-// when it asks for that: `*model` is then left alone. `progress` NULL: as `stickslip_model_compile`. Errors: those of
-// `stickslip_model_compile`, `CANCELLED`. Any thread.
-int32_t stickslip_model_compile_with(const char *scene,
-                                     stickslip_progress progress,
-                                     void *user_data,
-                                     struct stickslip_model **model);
-
-// `stickslip_model_compile_with` for the scene file at `path` (UTF-8), with the files of its folder: the mesh that a scene names is
-// looked for there. The model keeps the bytes of what it was made from, also in `stickslip_model_save`. `progress` may be NULL. Errors:
-// those of `stickslip_model_compile_with`; `SCENE` also for a scene file or a mesh file that cannot be read. Any thread.
-int32_t stickslip_model_compile_file(const char *path,
-                                     stickslip_progress progress,
-                                     void *user_data,
-                                     struct stickslip_model **model);
-
-// `stickslip_model_compile_with` for a scene whose files are in memory: `files` are `count` of them, by the names that the scene calls
-// them. Nothing of them is kept but copies of those that the scene names, in the model. `progress` may be NULL. Errors: those of
-// `stickslip_model_compile_with`; `SCENE` also for a file that is not among them or cannot be used. Any thread.
-int32_t stickslip_model_compile_files(const char *scene,
-                                      const struct stickslip_file *files,
-                                      size_t count,
-                                      stickslip_progress progress,
-                                      void *user_data,
-                                      struct stickslip_model **model);
 
 // Loads a compiled model from the `length` bytes of `stickslip_model_save`, without mesh or assembly, into `*model`; the
 // caller frees it. The bytes are not kept. Errors: `BYTES` (of another kind or version, truncated, damaged), `FINGERPRINT`,
@@ -474,39 +474,6 @@ size_t stickslip_last_error(char *buffer, size_t capacity);
 // Name of a code, as in the header but for the prefix ("OK", "NOT_CONVERGED", ...); "UNKNOWN_CODE" for a number that is
 // none. A static string. Any thread.
 const char *stickslip_code_name(int32_t code);
-
-// Compiles `scene`, the NUL-terminated UTF-8 text of a scene.json, into `*model`. Takes from milliseconds to seconds; the
-// caller frees the model. Errors: `SCENE` (also for a scene that needs more memory than its `fidelity.memory_limit`, or than
-// there is), `BODY`, `REDUCTION_INACCURATE`, `NOT_POSITIVE_DEFINITE`, `UNSTABLE` (unless the scene says `time.force`), `NULL`.
-// Any thread.
-int32_t stickslip_model_compile(const char *scene,
-                                struct stickslip_model **model);
-
-// `stickslip_model_compile` that calls `progress` some tens of times on the caller's thread, between factorizations, and stops
-// when it asks for that: `*model` is then left alone. `progress` NULL: as `stickslip_model_compile`. Errors: those of
-// `stickslip_model_compile`, `CANCELLED`. Any thread.
-int32_t stickslip_model_compile_with(const char *scene,
-                                     stickslip_progress progress,
-                                     void *user_data,
-                                     struct stickslip_model **model);
-
-// `stickslip_model_compile_with` for the scene file at `path` (UTF-8), with the files of its folder: the mesh that a scene names is
-// looked for there. The model keeps the bytes of what it was made from, also in `stickslip_model_save`. `progress` may be NULL. Errors:
-// those of `stickslip_model_compile_with`; `SCENE` also for a scene file or a mesh file that cannot be read. Any thread.
-int32_t stickslip_model_compile_file(const char *path,
-                                     stickslip_progress progress,
-                                     void *user_data,
-                                     struct stickslip_model **model);
-
-// `stickslip_model_compile_with` for a scene whose files are in memory: `files` are `count` of them, by the names that the scene calls
-// them. Nothing of them is kept but copies of those that the scene names, in the model. `progress` may be NULL. Errors: those of
-// `stickslip_model_compile_with`; `SCENE` also for a file that is not among them or cannot be used. Any thread.
-int32_t stickslip_model_compile_files(const char *scene,
-                                      const struct stickslip_file *files,
-                                      size_t count,
-                                      stickslip_progress progress,
-                                      void *user_data,
-                                      struct stickslip_model **model);
 
 // Loads a compiled model from the `length` bytes of `stickslip_model_save`, without mesh or assembly, into `*model`; the
 // caller frees it. The bytes are not kept. Errors: `BYTES` (of another kind or version, truncated, damaged), `FINGERPRINT`,
