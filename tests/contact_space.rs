@@ -146,15 +146,15 @@ fn held_load_stays_at_rest() {
     );
     assert!(largest(&stress) > 0.01);
     let start = sim.internal_steps();
-    let work = sim.friction_work();
+    let factorizations = sim.friction_work().factorizations;
     let mut most: f64 = 0.0;
     for i in 2000..200_000 {
         sim.do_step(f64::from(i) * 0.1, 0.1).unwrap();
         most = most.max(value(&sim, "solver.iterations"));
     }
     assert_eq!(sim.internal_steps() - start, 198_000);
-    // nothing moves, so nothing is factored or solved for
-    assert_eq!(sim.friction_work(), work);
+    // no node changes what it does, so nothing is factored
+    assert_eq!(sim.friction_work().factorizations, factorizations);
     // not a digit of the slip, and of the stress what rounding leaves in so many steps
     assert_eq!(values(&sim, "contact.slip"), slip);
     assert!(common::relative(&values(&sim, "contact.tangential_stress"), &stress) < 1e-8);
