@@ -48,13 +48,13 @@ static int run(const char *causality, double *x) {
     must(stickslip_state_new(sim, &before), "state_new");
     for (n = 0; n < STEPS; ++n) {
         const double time = n * H;
-        const double seed[3] = {1.0, 0.0, 0.0};
+        const double seed[3] = {0.0, 1.0, 0.0};
         double v = velocity;
         int trial = 0;
         must(stickslip_save_state(sim, before), "save");
         for (;;) {
-            /* in the order of the ports: slide, lift, table */
-            const double inputs[3] = {is_velocity ? v : position + H * v, 0.0, 0.1};
+            /* in the order of the ports, directions of a part by their names: lift, slide, table */
+            const double inputs[3] = {0.0, is_velocity ? v : position + H * v, 0.1};
             double residual, slope;
             if (trial > 0) must(stickslip_restore_state(sim, before), "restore");
             must(stickslip_set_inputs(sim, inputs, 3), "set_inputs");

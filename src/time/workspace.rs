@@ -94,22 +94,31 @@ impl Velocity {
         self.friction_state.copy_from_slice(&other.friction_state);
     }
 
-    /// The mean over a step (weights b_j) of rates, forces and loads at its start and its stages.
+    /// The mean over a step (weights b_j) of what energies and means are made of, at its start and its stages.
     pub fn set_mean(&mut self, tableau: &Tableau, velocities: &[Velocity]) {
-        let count = tableau.stages().len() + 1;
-        for (j, velocity) in velocities[..count].iter().enumerate() {
-            let weight = tableau.weight(j);
-            let to = self.instant.blocks_mut().map(|(_, block)| block);
-            let from = velocity.instant.blocks().map(|(_, block)| block);
-            let blocks = to.chain([&mut self.load]).zip(from.chain([&velocity.load]));
-            for (to, from) in blocks {
-                if j == 0 {
-                    to.fill(0.0);
+        let known = &velocities[..tableau.stages().len() + 1];
+        macro_rules! mean {
+            ($($field:ident).+) => {
+                let to = &mut self.$($field).+;
+                to.fill(0.0);
+                for (j, velocity) in known.iter().enumerate() {
+                    let weight = tableau.weight(j);
+                    if weight != 0.0 {
+                        add_scaled(to, weight, &velocity.$($field).+);
+                    }
                 }
-                if weight != 0.0 {
-                    add_scaled(to, weight, from);
-                }
-            }
+            };
+        }
+        mean!(load);
+        mean!(instant.velocity);
+        mean!(instant.slip_rate);
+        mean!(instant.reaction);
+        mean!(instant.output_velocity);
+        mean!(instant.drive_force);
+        mean!(instant.foundation_force);
+        if !tableau.ends_with_stage() {
+            mean!(instant.force);
+            mean!(instant.normal_force);
         }
     }
 }
