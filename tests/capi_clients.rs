@@ -9,11 +9,12 @@ use std::process::Command;
 use std::sync::OnceLock;
 
 const STRICT: [&str; 4] = ["-Wall", "-Wextra", "-Wpedantic", "-Werror"];
-const EXAMPLES: [&str; 7] = [
+const EXAMPLES: [&str; 8] = [
     "hello.c",
     "two_instances.c",
     "rollback.c",
     "rigid_mass.c",
+    "hold_brake.c",
     "cosim_loop.c",
     "real_time.c",
     "cosim.cpp",

@@ -138,5 +138,6 @@ fn share(weights: &[f64], is_counted: impl Fn(usize) -> bool) -> f64 {
         .filter(|&node| is_counted(node))
         .map(|node| weights[node])
         .sum();
-    counted / total
+    // the sum of nothing is -0
+    (0.0 + counted) / total
 }
