@@ -170,7 +170,7 @@ impl Model {
 
     /// Bytes that a simulator takes: three states, the factors of its last step sizes, matrices of contact order. An estimate.
     pub fn simulator_bytes(&self) -> usize {
-        let contact = self.contact.len();
+        let contact = self.contact.force_len();
         let square = contact.saturating_mul(contact);
         let stages = self
             .sizes_kept()

@@ -38,12 +38,20 @@ use super::workspace::{ControlWorkspace, Velocity, Workspace};
 use crate::error::{Error, Result};
 use crate::linalg::dot;
 use crate::model::Model;
-use crate::state::{State, control, report};
+use crate::state::{Instant, State, control, report};
 
 /// Share of the memory of the body (1 / fastest relaxation rate) that may be spent on one change between stick and slip.
 const BURST: f64 = 0.02;
 /// Share of the largest possible slip rate below which the slip rate is not resolved relative to itself.
 const CONTACT_FLOOR: f64 = 0.1;
+/// Size of a pair, as a share of what one change may take, below which an error can only be that of a velocity that jumps: where
+/// contact opens and closes, also between the ends of a step.
+const SUDDEN: f64 = 1e-3;
+/// Share of the slip rate below which a jump of the normal velocity of a closed node is not noticed, and share of that velocity.
+const NOTICEABLE: f64 = 1e-6;
+const JUMP: f64 = 0.1;
+/// Share of the velocity that the slip rate asks of the body at least below which its own is not resolved relative to itself.
+const BODY_FLOOR: f64 = 1e-6;
 /// Predicted error, relative to the allowed one, up to which a pair is enlarged.
 const SAFETY: f64 = 0.9;
 /// Most halvings after one refusal.
@@ -220,12 +228,15 @@ fn error_of(
     let largest = &mut state.control[control::BODY_SCALE];
     *largest = largest.max(size);
     let body_scale = *largest;
+    let resistance = model.certificate().sharp_instant.sqrt();
     // |w_c| <= |w| / sqrt(smallest eigenvalue of the condensed viscosity)
-    let possible = body_scale / model.certificate().sharp_instant.sqrt();
+    let possible = body_scale / resistance;
     let slip_rate = model.contact_norm(|i| state.main.instant.slip_rate[i]);
     let largest = &mut state.control[control::CONTACT_SCALE];
     *largest = largest.max(slip_rate);
     let contact_scale = largest.max(CONTACT_FLOOR * possible);
+    // a body that is only carried along has no velocity of its own but rounding
+    let body_scale = body_scale.max(BODY_FLOOR * contact_scale * resistance);
 
     let components = model.contact().components;
     let is_kinked = has_changed(
@@ -237,7 +248,16 @@ fn error_of(
         &state.main.instant.slip_rate,
         components,
     );
-    let burst = f64::from(u8::from(is_kinked)) * BURST / model.summary().rates[1];
+    let burst = BURST / model.summary().rates[1];
+    let can_open = !model.contact().gaps.is_empty();
+    let meets = can_open
+        && (part.size() < SUDDEN * burst
+            || opens_or_meets(
+                [&kept.main, &state.main].map(|solution| &solution.instant),
+                &middle.instant,
+                NOTICEABLE * contact_scale,
+            ));
+    let burst = f64::from(u8::from(is_kinked || meets)) * burst;
     let share = |error: f64, scale: f64| match error {
         0.0 => 0.0,
         _ => error / (scale * (part.size() + burst)),
@@ -262,6 +282,20 @@ fn has_changed(before: &[f64], after: &[f64], components: usize) -> bool {
         .chunks_exact(components)
         .zip(after.chunks_exact(components));
     nodes.any(|(a, b)| is_at_rest(a) != is_at_rest(b) || dot(a, b) < 0.0)
+}
+
+/// Whether a contact node opens, closes, or has closed just before: its normal velocity, more than `least`, then still jumps.
+fn opens_or_meets([before, after]: [&Instant; 2], middle: &Instant, least: f64) -> bool {
+    let is_closed = |instant: &Instant, node: usize| instant.normal_force[node] > 0.0;
+    let changes = |node: usize| {
+        let [start, middle_velocity] = [before, middle].map(|i| i.normal_velocity[node]);
+        let jump = (start - middle_velocity).abs();
+        let size = start.abs().max(middle_velocity.abs());
+        is_closed(before, node) != is_closed(middle, node)
+            || is_closed(middle, node) != is_closed(after, node)
+            || (is_closed(before, node) && jump > least.max(JUMP * size))
+    };
+    (0..before.normal_force.len()).any(changes)
 }
 
 /// `(x.A x)^1/2`.
