@@ -84,7 +84,8 @@ pub(crate) trait Blocks {
     /// Copies the blocks whose kind is asked for from another of the same sizes, without allocating.
     fn copy_blocks(&mut self, other: &Self, is_copied: impl Fn(Kind) -> bool) {
         for ((kind, to), (_, from)) in self.blocks_mut().zip(other.blocks()) {
-            if is_copied(kind) {
+            // most are empty in a scene that needs little
+            if !from.is_empty() && is_copied(kind) {
                 to.copy_from_slice(from);
             }
         }

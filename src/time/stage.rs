@@ -62,10 +62,12 @@ pub(crate) fn solve_stages(
 ) -> Result<()> {
     let motions = model.motions();
     ws.velocities[0].load_from(state);
-    ws.course.at(at(1.0), &mut ws.load);
-    let end = motions.approach(&ws.load);
+    if !motions.foundation.is_empty() {
+        ws.course.at(at(1.0), &mut ws.load);
+        ws.approach[1] = motions.approach(&ws.load);
+    }
     ws.course.at(at(0.0), &mut ws.load);
-    ws.approach = [motions.approach(&ws.load), end];
+    ws.approach[0] = motions.approach(&ws.load);
     ws.velocities[0].load.copy_from_slice(&ws.load);
     companion.begin(at(0.0));
     let is_at_end = !model.tableau().ends_with_stage()
@@ -90,7 +92,7 @@ pub(crate) fn solve_stages(
         let level = match is_at_end {
             true => Level::Position {
                 rate: k,
-                approach: end,
+                approach: ws.approach[1],
             },
             false => Level::Position {
                 rate: stage.theta * k,
