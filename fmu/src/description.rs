@@ -23,19 +23,21 @@ pub enum FmiVersion {
     Fmi3,
 }
 
-/// Units that others are products of, by their base units: name, exponents of kg, m, s.
-const UNITS: [(&str, [i32; 3]); 5] = [
-    ("s", [0, 0, 1]),
-    ("m", [0, 1, 0]),
-    ("Pa", [1, -1, -2]),
-    ("N", [1, 1, -2]),
-    ("J", [1, 2, -2]),
+/// Units that others are products of, by their base units: name, exponents of [`BASES`].
+const UNITS: [(&str, [i32; 4]); 6] = [
+    ("s", [0, 0, 1, 0]),
+    ("m", [0, 1, 0, 0]),
+    ("rad", [0, 0, 0, 1]),
+    ("Pa", [1, -1, -2, 0]),
+    ("N", [1, 1, -2, 0]),
+    ("J", [1, 2, -2, 0]),
 ];
+const BASES: [&str; 4] = ["kg", "m", "s", "rad"];
 
-/// Exponents of kg, m and s of a unit: factors with dots between them, a digit after a factor that is a power, after a slash
+/// Exponents of [`BASES`] of a unit: factors with dots between them, a digit after a factor that is a power, after a slash
 /// those that divide. `None` where it has a factor that is not known.
-fn exponents(unit: &str) -> Option<[i32; 3]> {
-    let mut sum = [0; 3];
+fn exponents(unit: &str) -> Option<[i32; 4]> {
+    let mut sum = [0; 4];
     for (sign, factors) in [1, -1].into_iter().zip(unit.split('/')) {
         for factor in factors.split('.') {
             let name = factor.trim_end_matches(|c: char| c.is_ascii_digit());
@@ -115,15 +117,15 @@ fn write_units(xml: &mut Xml, variables: &Variables) {
     let units: BTreeSet<&str> = variables.all().iter().map(|v| v.unit).collect();
     for name in units {
         // a pure number has none
-        let Some([kg, m, s]) = exponents(name) else {
+        let Some(exponents) = exponents(name) else {
             continue;
         };
         xml.open("Unit", &[("name", name)]);
-        let exponents = [("kg", kg), ("m", m), ("s", s)].map(|(base, e)| (base, e.to_string()));
-        let nonzero: Vec<_> = exponents
-            .iter()
-            .filter(|(_, e)| e != "0")
-            .map(|(base, e)| (*base, e.as_str()))
+        let exponents = exponents.map(|e| e.to_string());
+        let nonzero: Vec<_> = BASES
+            .into_iter()
+            .zip(exponents.iter().map(String::as_str))
+            .filter(|(_, e)| *e != "0")
             .collect();
         xml.empty("BaseUnit", &nonzero);
         xml.close();
@@ -254,8 +256,10 @@ mod tests {
     /// A unit that is not known would be named in the description and not defined there.
     #[test]
     fn every_unit_of_a_law_has_base_units() {
-        assert_eq!(exponents("N/m3"), Some([1, -2, -2]));
-        assert_eq!(exponents("Pa.s/m"), Some([1, -2, -1]));
+        assert_eq!(exponents("N/m3"), Some([1, -2, -2, 0]));
+        assert_eq!(exponents("Pa.s/m"), Some([1, -2, -1, 0]));
+        assert_eq!(exponents("rad/s"), Some([0, 0, -1, 1]));
+        assert_eq!(exponents("N.m"), Some([1, 2, -2, 0]));
         assert_eq!(exponents("1"), None);
         for law in Law::all() {
             for (i, declared) in law.coefficients().enumerate() {

@@ -145,7 +145,7 @@ impl Ports {
         for (i, driven) in shapes.driven.iter().enumerate() {
             let name = &driven.name;
             let (length, rate, force, unit) = match driven.is_rotation {
-                true => ("rad", "rad/s", "torque", "N m"),
+                true => ("rad", "rad/s", "torque", "N.m"),
                 false => ("m", "m/s", "force", "N"),
             };
             let text = "Displacement of the driven part since the start.";
@@ -175,7 +175,7 @@ impl Ports {
         for (i, motion) in shapes.foundation.iter().enumerate() {
             let name = &motion.name;
             let (force, unit) = match motion.is_rotation {
-                true => ("torque", "N m"),
+                true => ("torque", "N.m"),
                 false => ("force", "N"),
             };
             let text = "What is needed to move the foundation against the body; times the velocity it is the power.";
