@@ -175,7 +175,7 @@ impl State {
             match kind {
                 Kind::Marks => clear_points(points),
                 Kind::PressedMarks => pressed::clear_points(points),
-                _ => {}
+                Kind::Motion | Kind::Magnitude | Kind::Given | Kind::Account | Kind::Past => {}
             }
         }
         state

@@ -34,7 +34,8 @@
 //! A pair whose friction does not converge counts as one with too large an error.
 
 use super::sizes::Part;
-use super::workspace::{ControlWorkspace, Velocity, Workspace};
+use super::velocity::Velocity;
+use super::workspace::{ControlWorkspace, Workspace};
 use crate::error::{Error, Result};
 use crate::linalg::dot;
 use crate::model::Model;

@@ -17,7 +17,7 @@
 //! in the discrete L2 norm over the contact; the larger loss counts. Nothing is computed where `eps k r` is far below the
 //! tolerance: in all scenes but those of steps some millions of relaxation times long.
 
-use super::workspace::Velocity;
+use super::velocity::Velocity;
 use crate::body::digits::ALLOWED_LOSS;
 use crate::model::Model;
 use crate::state::{State, energy, report};

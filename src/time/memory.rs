@@ -4,7 +4,7 @@
 //! and that of the stage in trapezoidal and BDF2 stages, that of the stage in backward Euler ones. The midpoint rule moves it half
 //! a step for the bound, and the whole step for good. A node that is open ages at rest.
 
-use super::workspace::Velocity;
+use super::velocity::Velocity;
 use crate::contact::law::{Memory, MemoryPath};
 use crate::contact::{SlipPath, law::PressedLaw};
 use crate::model::Model;

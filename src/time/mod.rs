@@ -1,22 +1,28 @@
 //! Time: the schemes, one step as a sequence of stages, the parts of a master's step, and its tangents.
 //!
-//! `step` is the algorithm of a step; what it calls stands beside it: `stage` solves one implicit stage, `record`
-//! integrates what a stage adds, `sizes` cuts a step into parts, `control` chooses part sizes by `estimate`, and
-//! `tangent` differentiates a step.
+//! `step` is the algorithm of a step; what it calls stands beside it: `stage` solves one implicit stage (`contact` and `pressed` its
+//! contact, `relative` what moves with the body or under it), `record` integrates what a stage adds, `sizes` cuts a step into parts,
+//! `control` chooses part sizes by `estimate`, and `derivatives` differentiates a step by `tangent`.
 
 pub(crate) mod companion;
+mod contact;
 pub(crate) mod control;
+mod derivatives;
 pub(crate) mod estimate;
 pub(crate) mod finite;
+mod foundation;
 pub(crate) mod input_course;
 pub(crate) mod lost_digits;
 pub(crate) mod memory;
 pub(crate) mod pressed;
 pub(crate) mod record;
+pub(crate) mod relative;
 pub mod scheme;
 pub(crate) mod second;
 pub(crate) mod sizes;
 pub(crate) mod stage;
 pub(crate) mod step;
 mod tangent;
+mod tangent_step;
+pub(crate) mod velocity;
 pub(crate) mod workspace;

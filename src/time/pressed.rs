@@ -11,7 +11,7 @@
 //! start and values at the end of a step that has only means are solved at a fixed position: closed nodes then obey the condition
 //! of velocities `0 <= p _|_ w_n - d_f' >= 0`, open ones have no force, and a foundation that gives way has the force of the gap.
 
-use super::workspace::Velocity;
+use super::velocity::Velocity;
 use crate::body::Stage;
 use crate::contact::pressed::tangent::PressedTangent;
 use crate::contact::pressed::{
@@ -137,17 +137,8 @@ impl PressedScratch {
             &mut PressedPoint::of(points, at.theta_k, gap_rate),
             workspace,
         );
-        let instant = &mut velocity.instant;
-        let (c, stride) = (at.model.contact().components, at.model.contact().stride());
-        for node in 0..at.model.contact().node_count() {
-            let (own, all) = (node * c..(node + 1) * c, node * stride..node * stride + c);
-            instant.slip_rate[own.clone()].copy_from_slice(&self.velocity[all.clone()]);
-            instant.force[own.clone()].copy_from_slice(&self.force[all.clone()]);
-            instant.reaction[own].copy_from_slice(&self.reaction[all]);
-            instant.normal_velocity[node] = self.velocity[node * stride + c];
-            instant.normal_force[node] = self.force[node * stride + c];
-            instant.normal_reaction[node] = 0.0 - self.reaction[node * stride + c];
-        }
+        let found = [&self.velocity[..], &self.force, &self.reaction];
+        scatter(at.model.contact().components, found, &mut velocity.instant);
         solution
     }
 
@@ -175,6 +166,21 @@ impl PressedScratch {
             self.velocity[node * stride + c] = instant.normal_velocity[node];
             self.force[node * stride + c] = instant.normal_force[node];
         }
+    }
+}
+
+/// Velocities, forces and reactions in the order of the solver, node by node into an instant.
+pub(crate) fn scatter(c: usize, [velocity, force, reaction]: [&[f64]; 3], to: &mut Instant) {
+    let nodes = velocity.chunks_exact(c + 1).zip(force.chunks_exact(c + 1));
+    let nodes = nodes.zip(reaction.chunks_exact(c + 1));
+    for (node, ((velocity, force), reaction)) in nodes.enumerate() {
+        let own = node * c..(node + 1) * c;
+        to.slip_rate[own.clone()].copy_from_slice(&velocity[..c]);
+        to.force[own.clone()].copy_from_slice(&force[..c]);
+        to.reaction[own].copy_from_slice(&reaction[..c]);
+        to.normal_velocity[node] = velocity[c];
+        to.normal_force[node] = force[c];
+        to.normal_reaction[node] = 0.0 - reaction[c];
     }
 }
 

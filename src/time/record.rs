@@ -1,11 +1,12 @@
 //! What a step leaves behind: displacement and slip from the velocities of its stages, energies, the recorded past.
 
+use super::foundation;
 use super::scheme::{Stage, Tableau};
-use super::workspace::{Explicit, Velocity, Workspace};
+use super::velocity::Velocity;
+use super::workspace::{Explicit, Workspace};
 use crate::linalg::{add_scaled, dot};
 use crate::model::Model;
 use crate::model::motions::Motions;
-use crate::scene::Condition;
 use crate::state::{Instant, State, energy};
 
 /// `p = u_n + k sum_j a_j w_j`, for the displacement of the body, that of its contact nodes along their normals, those of driven
@@ -133,7 +134,8 @@ pub(crate) fn add_energies(model: &Model, state: &mut State, ws: &mut Workspace,
     state.energy[energy::EXTERNAL_WORK] += k * external;
     state.energy[energy::VISCOUS] += k * viscous;
     state.energy[energy::FRICTION] += k * dot(&mean.instant.reaction, &mean.instant.slip_rate);
-    state.energy[energy::ELASTIC] = 0.5 * elastic + foundation_energy(model, state, ws.approach[1]);
+    state.energy[energy::ELASTIC] =
+        0.5 * elastic + foundation::energy(model, state, ws.approach[1]);
     if !tableau.ends_with_stage() {
         state
             .mean_slip_rate
@@ -164,51 +166,6 @@ pub(crate) fn power_of_motions(
         }
     }
     driven.sum::<f64>() + moved + approached
-}
-
-/// Energy stored in a foundation that gives way, J; `approach` is its displacement towards the body.
-fn foundation_energy(model: &Model, state: &State, approach: f64) -> f64 {
-    let Condition::Compliance {
-        stiffness,
-        exponent,
-        ..
-    } = model.condition()
-    else {
-        return 0.0;
-    };
-    let contact = model.contact();
-    let nodes = contact.gaps.iter().zip(&state.main.normal_displacement);
-    let stored = nodes.zip(&contact.weights).map(|((gap, moved), weight)| {
-        let depth = (approach - gap - moved).max(0.0);
-        weight * stiffness * depth.powf(exponent + 1.0) / (exponent + 1.0)
-    });
-    stored.sum()
-}
-
-/// Its derivative along those of the normal displacements and of the approach.
-pub(crate) fn foundation_energy_slope(
-    model: &Model,
-    state: &State,
-    approach: f64,
-    moves: &[f64],
-    approaches: f64,
-) -> f64 {
-    let Condition::Compliance {
-        stiffness,
-        exponent,
-        ..
-    } = model.condition()
-    else {
-        return 0.0;
-    };
-    let contact = model.contact();
-    let nodes = contact.gaps.iter().zip(&state.main.normal_displacement);
-    let gained = nodes.zip(contact.weights.iter().zip(moves));
-    let gained = gained.map(|((gap, moved), (weight, moves))| {
-        let depth = (approach - gap - moved).max(0.0);
-        weight * stiffness * depth.powf(*exponent) * (approaches - moves)
-    });
-    gained.sum()
 }
 
 /// Appends the instant to the ring of the past.

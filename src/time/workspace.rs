@@ -3,125 +3,15 @@
 use super::finite::FiniteCheck;
 use super::memory::Before;
 use super::pressed::PressedScratch;
-use super::scheme::{MAX_STAGES, Tableau};
+use super::relative::Relative;
+use super::scheme::MAX_STAGES;
+use super::velocity::Velocity;
 use crate::body::{Scratch, StageCache};
 use crate::contact::solve::fixed_point::FixedPointWorkspace;
 use crate::contact::solve::multiplicity::MultiplicityWorkspace;
 use crate::contact::solve::newton;
-use crate::linalg::add_scaled;
 use crate::model::Model;
-use crate::state::layout::Blocks;
-use crate::state::{Instant, State};
-
-/// Rates and forces at one instant of a step, with what is made of them and the loads.
-pub(crate) struct Velocity {
-    pub instant: Instant,
-    /// Growth of the accumulated slip, one per node: the magnitude of the slip rate, where the node is not open.
-    pub magnitude: Vec<f64>,
-    /// The inputs there.
-    pub load: Vec<f64>,
-    /// State of the friction law there, where it has one.
-    pub friction_state: Vec<f64>,
-    can_open: bool,
-}
-
-impl Velocity {
-    pub fn new(model: &Model) -> Velocity {
-        let sizes = State::sizes(model);
-        Velocity {
-            instant: Instant::allocate(&sizes),
-            magnitude: vec![0.0; sizes.nodes],
-            load: vec![0.0; sizes.inputs],
-            friction_state: vec![0.0; sizes.memory()],
-            can_open: !model.contact().gaps.is_empty(),
-        }
-    }
-
-    /// The instant a state stands at (loads apart).
-    pub fn load_from(&mut self, state: &State) {
-        self.instant.copy_blocks(&state.main.instant, |_| true);
-        self.friction_state
-            .copy_from_slice(&state.main.friction_state);
-        self.set_magnitudes();
-    }
-
-    /// Growth of the accumulated slip from the slip rates.
-    pub fn set_magnitudes(&mut self) {
-        let components = self.instant.slip_rate.len() / self.magnitude.len();
-        let rates = self.instant.slip_rate.chunks_exact(components);
-        for (to, w) in self.magnitude.iter_mut().zip(rates) {
-            *to = crate::contact::problem::norm(w);
-        }
-        if self.can_open {
-            let forces = self.magnitude.iter_mut().zip(&self.instant.normal_force);
-            for (to, _) in forces.filter(|(_, force)| **force <= 0.0) {
-                *to = 0.0;
-            }
-        }
-    }
-
-    pub fn copy_warm_start(&mut self, state: &State) {
-        let (to, warm) = (&mut self.instant, &state.main.instant);
-        to.slip_rate.copy_from_slice(&warm.slip_rate);
-        to.normal_velocity.copy_from_slice(&warm.normal_velocity);
-        to.force.copy_from_slice(&warm.force);
-        to.normal_force.copy_from_slice(&warm.normal_force);
-    }
-
-    /// The contact of a stage: warm start and last forces of the next one.
-    pub fn store_contact(&self, state: &mut State) {
-        let (to, from) = (&mut state.main.instant, &self.instant);
-        to.slip_rate.copy_from_slice(&from.slip_rate);
-        to.force.copy_from_slice(&from.force);
-        to.reaction.copy_from_slice(&from.reaction);
-        to.normal_velocity.copy_from_slice(&from.normal_velocity);
-        to.normal_force.copy_from_slice(&from.normal_force);
-    }
-
-    /// Makes this the instant of the state.
-    pub fn store_into(&self, state: &mut State) {
-        state.main.instant.copy_blocks(&self.instant, |_| true);
-        state
-            .main
-            .friction_state
-            .copy_from_slice(&self.friction_state);
-    }
-
-    pub fn copy_from(&mut self, other: &Velocity) {
-        self.instant.copy_blocks(&other.instant, |_| true);
-        self.magnitude.copy_from_slice(&other.magnitude);
-        self.load.copy_from_slice(&other.load);
-        self.friction_state.copy_from_slice(&other.friction_state);
-    }
-
-    /// The mean over a step (weights b_j) of what energies and means are made of, at its start and its stages.
-    pub fn set_mean(&mut self, tableau: &Tableau, velocities: &[Velocity]) {
-        let known = &velocities[..tableau.stages().len() + 1];
-        macro_rules! mean {
-            ($($field:ident).+) => {
-                let to = &mut self.$($field).+;
-                to.fill(0.0);
-                for (j, velocity) in known.iter().enumerate() {
-                    let weight = tableau.weight(j);
-                    if weight != 0.0 {
-                        add_scaled(to, weight, &velocity.$($field).+);
-                    }
-                }
-            };
-        }
-        mean!(load);
-        mean!(instant.velocity);
-        mean!(instant.slip_rate);
-        mean!(instant.reaction);
-        mean!(instant.output_velocity);
-        mean!(instant.drive_force);
-        mean!(instant.foundation_force);
-        if !tableau.ends_with_stage() {
-            mean!(instant.force);
-            mean!(instant.normal_force);
-        }
-    }
-}
+use crate::state::State;
 
 /// Where an input bends within a communication step.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -252,12 +142,8 @@ pub(crate) struct Workspace {
     pub course: LoadCourse,
     /// Inputs at the instant of the stage.
     pub load: Vec<f64>,
-    /// Intensities of the columns of forces there.
-    pub forces: Vec<f64>,
-    /// Velocities of what the contact is solved relative to; empty where nothing moves.
-    pub shift: Vec<f64>,
-    /// Contact velocities of the body without its drives, and S times the shift.
-    pub shifted: Vec<f64>,
+    /// What moves with the body or under it, in a stage.
+    pub relative: Relative,
     /// Whether the velocity followed a jump at the beginning of the communication step.
     pub has_settled: bool,
     /// Displacement of the foundation towards the body at the beginning and at the end of the internal step.
@@ -284,19 +170,13 @@ impl Workspace {
             true => (1, contact.components),
             false => (nodes, len),
         };
-        let shifted = match model.motions().is_empty() {
-            true => 0,
-            false => contact.force_len(),
-        };
         Workspace {
             stages: StageCache::new(model.body(), model.sizes_kept(), contact.has_normal),
             scratch: model.body().scratch(),
             newton: newton::Workspace::new(own_nodes, own_len),
             fixed_point: FixedPointWorkspace::new(own_nodes, own_len),
             multiplicity: MultiplicityWorkspace::new(own_nodes, own_len),
-            forces: vec![0.0; model.motions().force_count()],
-            shift: vec![0.0; shifted],
-            shifted: vec![0.0; shifted],
+            relative: Relative::new(model),
             has_settled: false,
             approach: [0.0; 2],
             pressed: contact.has_normal.then(|| PressedScratch::new(model)),

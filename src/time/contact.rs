@@ -1,0 +1,202 @@
+//! The contact of a stage, solved with pressure or without.
+
+use super::memory::{Span, remembering};
+use super::pressed::{Level, PressedStage};
+use super::workspace::Workspace;
+use crate::body::Stage;
+use crate::contact::law::{LawBounds, PressedLaw};
+use crate::contact::problem::norm;
+use crate::contact::solve::newton::linearisation::Linearisation;
+use crate::contact::solve::{fixed_point, multiplicity, newton};
+use crate::contact::{ContactProblem, SlipPath};
+use crate::error::Error;
+use crate::model::{Model, SolverSettings};
+use crate::state::{Instant, State, report};
+
+/// What a friction solver says of a stage.
+pub(super) struct Solved {
+    pub iterations: usize,
+    pub residual: f64,
+    pub node: usize,
+    pub converged: bool,
+    pub is_at_rounding: bool,
+    /// Why the solution is none.
+    pub fault: Option<Error>,
+}
+
+/// Solves the contact of the stage that was predicted last, into `ws.velocities[index]`, with the solver that the scene needs.
+pub(super) fn solve(
+    model: &Model,
+    state: &mut State,
+    ws: &mut Workspace,
+    (theta_k, level, span): (f64, Level, Span),
+    index: usize,
+) -> Solved {
+    let Some(pressed) = &mut ws.pressed else {
+        return solve_without_pressure(model, state, ws, theta_k, index);
+    };
+    let settings = model.solver();
+    let weights = &model.contact().weights;
+    // at a start the state is the one there
+    ws.before.take(&ws.velocities[index.saturating_sub(1)]);
+    let law = model
+        .friction()
+        .pressed(&state.coefficients, weights, theta_k);
+    let bounds = remembering(law, ws.before.memory(model, span.length));
+    let at = PressedStage {
+        model,
+        stage: ws.stages.current(),
+        load: &ws.condensed_load,
+        bounds: &bounds,
+        theta_k,
+        level,
+        slip: &ws.explicit.accumulated_slip,
+        displacement: &ws.explicit.normal_displacement,
+    };
+    let (velocity, points) = (&mut ws.velocities[index], &mut state.main.pressed_point);
+    let limits = (settings.tolerance(), settings.max_iterations());
+    let found = pressed.solve(&at, velocity, points, limits);
+    let fault = match model.friction().has_formula() {
+        true => fault_of_formula(&at, &bounds, &velocity.instant),
+        false => None,
+    };
+    Solved {
+        iterations: found.iterations,
+        residual: found.residual,
+        node: found.node,
+        converged: found.converged,
+        is_at_rounding: found.is_at_rounding,
+        fault,
+    }
+}
+
+/// The first node of a solution where a formula gives no value that friction can have.
+fn fault_of_formula(at: &PressedStage, bounds: &PressedLaw, solution: &Instant) -> Option<Error> {
+    let components = at.model.contact().components;
+    let mut rates = solution.slip_rate.chunks_exact(components).map(norm);
+    let (node, found) = (0..at.slip.len()).find_map(|node| {
+        let slip = SlipPath {
+            base: at.slip[node],
+            per_rate: at.theta_k,
+        };
+        let found = bounds.fault(node, rates.next()?, solution.normal_force[node], slip);
+        found.map(|found| (node, found))
+    })?;
+    let path = at.model.friction().law().path(0);
+    Some(Error::Value {
+        what: format!("the value of {path} at contact node {node}"),
+        found,
+        allowed: "a finite number >= 0",
+    })
+}
+
+/// The contact problem without pressure of a stage.
+pub(super) fn problem<'a>(
+    model: &'a Model,
+    (stage, theta_k): (&'a Stage, f64),
+    load: &'a [f64],
+    bounds: &'a LawBounds,
+    slip: &'a [f64],
+) -> ContactProblem<'a> {
+    ContactProblem {
+        s: stage.s.as_ref(),
+        r: load,
+        components: model.contact().components,
+        weights: &model.contact().weights,
+        law: bounds,
+        slip_base: slip,
+        theta_k,
+    }
+}
+
+fn solve_without_pressure(
+    model: &Model,
+    state: &mut State,
+    ws: &mut Workspace,
+    theta_k: f64,
+    index: usize,
+) -> Solved {
+    let body = model.body();
+    let bounds = model.friction().with(&state.coefficients);
+    let stage = ws.stages.current();
+    let slip = &ws.explicit.accumulated_slip;
+    let contact = problem(model, (stage, theta_k), &ws.condensed_load, &bounds, slip);
+    let velocity = &mut ws.velocities[index];
+    let solution = match model.solver() {
+        SolverSettings::Newton {
+            tolerance,
+            max_iterations,
+        } => newton::solve(
+            &contact,
+            *tolerance,
+            *max_iterations,
+            &mut velocity.instant.slip_rate,
+            &mut Linearisation::of(&mut state.main.linearisation, theta_k),
+            &mut ws.newton,
+        ),
+        SolverSettings::FixedPoint(settings) => {
+            let (trial, scratch) = (&mut velocity.instant.velocity, &mut ws.scratch);
+            let (last, explicit) = (&mut ws.last_iterate, &ws.explicit.displacement);
+            let relative = &mut ws.relative;
+            last.copy_from_slice(&state.main.displacement);
+            fixed_point::solve(
+                &contact,
+                *settings,
+                &state.main.instant.force,
+                &mut velocity.instant.slip_rate,
+                &mut ws.newton,
+                &mut ws.fixed_point,
+                |w, force| {
+                    body.correct(stage, relative.of_body(w), force, trial, scratch);
+                    let size = model.strain_norm(last);
+                    for (i, w) in trial.iter_mut().enumerate() {
+                        let displacement = explicit[i] + theta_k * *w;
+                        *w = displacement - last[i];
+                        last[i] = displacement;
+                    }
+                    (model.strain_norm(trial), size)
+                },
+            )
+        }
+    };
+    if solution.converged {
+        let accepted = ws.newton.accepted();
+        contact.forces(accepted, &mut velocity.instant.force);
+        for (reaction, y) in velocity.instant.reaction.iter_mut().zip(&accepted.y) {
+            *reaction = -y;
+        }
+    }
+    Solved {
+        iterations: solution.iterations,
+        residual: solution.residual,
+        node: solution.node,
+        converged: solution.converged,
+        is_at_rounding: solution.is_at_rounding,
+        fault: None,
+    }
+}
+
+/// Takes note of other solutions of the stage.
+pub(super) fn test_multiplicity(
+    model: &Model,
+    state: &mut State,
+    ws: &mut Workspace,
+    theta_k: f64,
+    index: usize,
+) {
+    let settings = model.solver();
+    let bounds = model.friction().with(&state.coefficients);
+    let at = (ws.stages.current(), theta_k);
+    let slip = &ws.explicit.accumulated_slip;
+    let found = multiplicity::test(
+        &problem(model, at, &ws.condensed_load, &bounds, slip),
+        &bounds,
+        settings.tolerance(),
+        settings.max_iterations(),
+        &ws.velocities[index].instant.slip_rate,
+        &mut ws.multiplicity,
+    );
+    let entry = &mut state.report;
+    entry[report::SOLUTIONS] = entry[report::SOLUTIONS].max(found.solutions as f64);
+    entry[report::SOLUTION_GAP] = entry[report::SOLUTION_GAP].max(found.gap);
+}
