@@ -16,8 +16,9 @@
 //! Cholesky factor is then the operator condensed onto the contact.
 
 use super::cell::point;
-use super::driven::{Held, held_nodes};
+use super::direction::direction;
 use super::face::{face_integrals, face_normals};
+use super::held::{Held, held_nodes};
 use crate::error::{Error, Result};
 use crate::mesh::{Mesh, bent_face};
 use crate::message::cut;
@@ -323,22 +324,6 @@ fn frame(scene: &Scene, mesh: &Mesh, node: u32, sum: Vector3<f64>) -> Result<[[f
     } else {
         [t1.into(), n.cross(&t1).into(), n.into()]
     })
-}
-
-/// The unit vector of a direction of the scene (2 or 3 components).
-pub(super) fn direction(values: &[f64], path: &str) -> Result<Vector3<f64>> {
-    let component = |i: usize| values.get(i).copied().unwrap_or(0.0);
-    let vector = Vector3::new(component(0), component(1), component(2));
-    // Scaled by the largest component first, so that the norm can neither overflow nor vanish.
-    let largest = vector.amax();
-    if !(largest.is_finite() && largest > 0.0 && vector.iter().all(|x| x.is_finite())) {
-        return Err(scene_error(
-            path,
-            format!("{values:?}"),
-            "a finite direction other than zero".to_string(),
-        ));
-    }
-    Ok((vector / largest).normalize())
 }
 
 /// Orders the contact nodes by the coordinate along t1, those level with each other by the coordinate along t2.

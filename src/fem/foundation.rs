@@ -1,8 +1,7 @@
 //! How the motions of the foundation are seen at the contact nodes, and the gap of the undeformed body.
 
-use super::body::ContactPatch;
-use super::dofs::direction;
-use super::driven::axis_of;
+use super::contact::ContactPatch;
+use super::direction::{axis_of, direction};
 use crate::error::Result;
 use crate::mesh::Mesh;
 use crate::message::{cut, number};

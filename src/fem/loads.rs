@@ -4,7 +4,8 @@
 //! `column . u` (the mean displacement along the direction times `measure`). All integrals are exact but for those of bent cells and faces.
 
 use super::cell::Cell;
-use super::dofs::{DofMap, direction};
+use super::direction::direction;
+use super::dofs::DofMap;
 use super::driven::NodalRows;
 use super::face::face_integrals;
 use crate::element::MOST_NODES;

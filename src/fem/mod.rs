@@ -6,10 +6,13 @@
 mod bent;
 mod body;
 mod cell;
+mod contact;
+mod direction;
 mod dofs;
 mod driven;
 mod face;
 mod foundation;
+mod held;
 mod loads;
 mod operators;
 mod pieces;
@@ -17,8 +20,9 @@ mod pieces;
 mod solids;
 mod strain;
 
-pub use body::{Body, ContactPatch};
+pub use body::Body;
 pub use cell::{Cell, Simplex};
+pub use contact::ContactPatch;
 pub use dofs::DofMap;
 pub use driven::Drives;
 pub use loads::{LoadColumn, ProbeRows};

@@ -128,6 +128,13 @@ impl Motions {
         self.loads + drive
     }
 
+    /// Adds `factor` times the velocities of the drives, which are among the inputs, to their displacements.
+    pub fn integrate(&self, displacement: &mut [f64], factor: f64, inputs: &[f64]) {
+        for (drive, displacement) in displacement.iter_mut().enumerate() {
+            *displacement += factor * inputs[self.drive_input(drive)];
+        }
+    }
+
     /// The input of a motion of the foundation.
     pub fn foundation_input(&self, motion: usize) -> usize {
         self.loads + self.drives.len() + motion

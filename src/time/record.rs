@@ -44,20 +44,8 @@ pub(crate) fn explicit_part(
                 a * k,
                 &velocity.instant.normal_velocity,
             );
-            add_drives(
-                motions,
-                &mut explicit.drive_displacement,
-                a * k,
-                &velocity.load,
-            );
+            motions.integrate(&mut explicit.drive_displacement, a * k, &velocity.load);
         }
-    }
-}
-
-/// Adds the velocities of driven parts, which are among the inputs.
-pub(crate) fn add_drives(motions: &Motions, displacement: &mut [f64], factor: f64, inputs: &[f64]) {
-    for (drive, displacement) in displacement.iter_mut().enumerate() {
-        *displacement += factor * inputs[motions.drive_input(drive)];
     }
 }
 
@@ -75,7 +63,9 @@ pub(crate) fn integrate(model: &Model, state: &mut State, velocities: &[Velocity
                 &velocity.instant.output_velocity,
             );
             let displacement = &mut state.drive_displacement;
-            add_drives(model.motions(), displacement, weight, &velocity.load);
+            model
+                .motions()
+                .integrate(displacement, weight, &velocity.load);
         }
     }
 }

@@ -4,7 +4,6 @@
 //! `model::motions`). The difference of the two is the shift `s` of the contact velocities: `S (w - s) + Lambda = r - S s`. Everything
 //! here is linear, and serves a stage and its tangents alike.
 
-use super::record::add_drives;
 use super::velocity::Velocity;
 use crate::body::{Scratch, Stage};
 use crate::linalg::multiply;
@@ -100,7 +99,7 @@ impl Relative {
         if motions.is_empty() {
             return;
         }
-        add_drives(motions, displacement, theta_k, inputs);
+        motions.integrate(displacement, theta_k, inputs);
         motions.drive_forces(inputs, displacement, seen, reaction, drive_force);
         motions.foundation_forces(reaction, foundation_force);
         motions.add_outputs(|drive| inputs[motions.drive_input(drive)], seen);

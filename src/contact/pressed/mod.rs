@@ -14,6 +14,7 @@
 //!
 //! After P. Alart and A. Curnier (CMAME 92, 1991) for the equations, S. M. Robinson (Math. Oper. Res. 17, 1992) for the normal map.
 
+mod chain;
 mod direction;
 mod linearisation;
 mod newton;
@@ -26,6 +27,7 @@ mod solve;
 mod sweep;
 pub(crate) mod tangent;
 
+pub use chain::PressedWork;
 pub use linearisation::{PressedPoint, clear_points, is_plausible, points_len};
 pub use problem::{NormalCondition, PressedBound, PressedBounds, PressedProblem};
-pub use solve::{PressedSolution, PressedWork, PressedWorkspace, index, solve};
+pub use solve::{PressedSolution, PressedWorkspace, index, solve};

@@ -1,8 +1,8 @@
 //! Problems with other friction bounds on the way to the one that is asked: frozen ones, and weaker ones.
 
+use super::chain::{Chain, SWEEPS};
 use super::newton::{Budget, Outcome};
 use super::problem::{PressedBound, PressedBounds, PressedProblem};
-use super::solve::{Chain, SWEEPS};
 use crate::contact::SlipPath;
 
 /// Bounds that depend on nothing, N.

@@ -10,19 +10,14 @@
 //! No energy decreases along the way: Coulomb friction is not the derivative of one. So whatever led there, a point is accepted by
 //! its residual alone.
 
-use super::linearisation::{PressedPoint, points_len};
-use super::newton::{Budget, Newton, Outcome};
-use super::point::Point;
+use super::chain::{Chain, PressedWork, SWEEPS};
+use super::linearisation::PressedPoint;
+use super::newton::{Budget, Outcome};
 use super::problem::PressedProblem;
 use super::replaced;
 use super::residual::worst_node;
-use super::sweep::sweep;
 use crate::linalg::multiply;
 
-/// Sweeps before Newton's method is tried again; every further time twice as many.
-pub(super) const SWEEPS: usize = 60;
-/// Sweeps that count as one iteration: about as long as a Newton step takes.
-const SWEEPS_OF_ITERATION: usize = 10;
 /// Newton steps from the warm start after which something else is tried.
 const STEPS: usize = 25;
 /// Newton steps from another start after which the next way is tried.
@@ -85,58 +80,16 @@ pub struct PressedSolution {
     pub is_at_rounding: bool,
 }
 
-/// Work done so far in a workspace.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct PressedWork {
-    /// Newton steps, those with other bounds on the way included.
-    pub newton: u64,
-    /// Matrices factored.
-    pub factorizations: u64,
-    /// Solves with a factor.
-    pub solves: u64,
-    /// Sweeps over the nodes.
-    pub sweeps: u64,
-    /// Convex problems with frozen bounds.
-    pub frozen: u64,
-    /// Problems with a share of the friction.
-    pub raised: u64,
-}
-
 /// Scratch of the solver, for the problems of one model; never changes a result.
 pub struct PressedWorkspace {
     chain: Chain,
 }
 
-/// The iteration, and what the ways back need.
-pub(super) struct Chain {
-    pub newton: Newton,
-    /// Frozen bounds.
-    pub bounds: Vec<f64>,
-    /// Memory of a point of linearisation that no state keeps.
-    apart: Vec<f64>,
-    /// `S v` of the sweeps.
-    forces: Vec<f64>,
-    /// The point of the least imbalance where Newton's method stalled.
-    best: Point,
-    /// Where sweeps led.
-    swept: Point,
-    pub work: PressedWork,
-}
-
 impl PressedWorkspace {
     /// Scratch for `nodes` nodes of `components` tangential components each.
     pub fn new(nodes: usize, components: usize) -> PressedWorkspace {
-        let len = nodes * (components + 1);
         PressedWorkspace {
-            chain: Chain {
-                newton: Newton::new(nodes, components),
-                bounds: vec![0.0; nodes],
-                apart: vec![0.0; points_len(nodes, components)],
-                forces: vec![0.0; len],
-                best: Point::new(nodes, len),
-                swept: Point::new(nodes, len),
-                work: PressedWork::default(),
-            },
+            chain: Chain::new(nodes, components),
         }
     }
 
@@ -153,33 +106,6 @@ impl PressedWorkspace {
 }
 
 impl Chain {
-    /// Newton's method with a point of linearisation that no state keeps.
-    pub fn descend_apart(
-        &mut self,
-        problem: &PressedProblem,
-        tolerance: f64,
-        most: usize,
-        budget: &mut Budget,
-    ) -> Outcome {
-        let mut at = PressedPoint::fresh(&mut self.apart, problem);
-        self.newton
-            .descend(problem, tolerance, most, budget, &mut at)
-    }
-
-    /// Some sweeps.
-    pub fn sweep(&mut self, problem: &PressedProblem, count: usize, budget: &mut Budget) {
-        let point = &mut self.newton.accepted;
-        multiply(problem.s, &point.v, &mut self.forces);
-        for sweep_count in 0..count {
-            if sweep_count.is_multiple_of(SWEEPS_OF_ITERATION) && !budget.take() {
-                break;
-            }
-            self.work.sweeps += 1;
-            sweep(problem, point, &mut self.forces);
-        }
-        point.project(problem, &self.newton.slopes);
-    }
-
     fn run(&mut self, task: &mut Task) -> Outcome {
         self.newton.is_patient = false;
         let first = self.descend(task);

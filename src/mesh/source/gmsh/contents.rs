@@ -1,25 +1,11 @@
 //! What an MSH file says, before it is a mesh: nodes, elements and the groups they belong to.
 
+use super::block::Block;
 use super::cursor::{Cursor, Encoding};
 use super::fault::{Fault, Outcome};
-use super::types::ElementType;
 use super::{version2, version4};
 use crate::message::cut;
 use std::collections::BTreeMap;
-
-/// Elements of one type, entity and set of groups.
-#[derive(Debug)]
-pub(super) struct Block {
-    pub of: &'static ElementType,
-    /// Number of the geometric entity.
-    pub entity: i64,
-    /// Numbers of its physical groups, ascending, without sign.
-    pub groups: Vec<i64>,
-    /// Numbers of the elements.
-    pub tags: Vec<u64>,
-    /// Numbers of their nodes, `of.nodes` each.
-    pub nodes: Vec<u64>,
-}
 
 /// The contents of a file.
 #[derive(Debug, Default)]

@@ -1,6 +1,7 @@
 //! The cells of a file as they stand there: of one element, with nodes that exist and one region each.
 
-use super::contents::{Block, Contents};
+use super::block::Block;
+use super::contents::Contents;
 use super::fault::{Fault, Outcome};
 use super::names::Names;
 use super::types::entity_name;

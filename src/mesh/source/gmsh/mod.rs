@@ -5,6 +5,7 @@
 //! file may get wrong is checked (`found`, `cells`, `names`, `parts`). Memory is taken only as far as the file is long enough for what
 //! it announces. Other sections are skipped: `$Periodic` says how Gmsh made the mesh, not that two sides move together.
 
+mod block;
 mod cells;
 mod contents;
 mod cursor;

@@ -1,6 +1,7 @@
 //! Names of physical groups: those of dimension d are regions, those of dimension d - 1 parts.
 
-use super::contents::{Block, Contents};
+use super::block::Block;
+use super::contents::Contents;
 use super::fault::{Fault, Outcome};
 use super::types::entity_name;
 use crate::mesh::source::BODY;

@@ -1,7 +1,7 @@
 //! Sections of MSH 2.2: a list of nodes; elements one by one, each with its group and its entity. An element in two groups is
 //! written twice.
 
-use super::contents::Block;
+use super::block::Block;
 use super::cursor::{Cursor, Encoding};
 use super::fault::Outcome;
 use super::types::ElementType;

@@ -1,6 +1,6 @@
 //! Sections of MSH 4.1: entities with their groups, nodes and elements in blocks by entity.
 
-use super::contents::Block;
+use super::block::Block;
 use super::cursor::Cursor;
 use super::fault::Outcome;
 use super::types::ElementType;

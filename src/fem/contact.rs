@@ -1,0 +1,58 @@
+//! The contact nodes of a body.
+
+/// The contact nodes, in the order of their components (the last `nodes.len() * components` free components).
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContactPatch {
+    /// Node numbers; of periodic nodes the leader.
+    pub nodes: Vec<u32>,
+    /// Coordinates of the nodes, m; z = 0 in 2D.
+    pub points: Vec<[f64; 3]>,
+    /// omega: integral of the shape function of each node over the contact part (m in 2D, m^2 in 3D), the share of
+    /// periodic followers included. The share of clamped nodes belongs to no one.
+    pub weights: Vec<f64>,
+    /// First and second tangent of each node, unit, global axes; the second is zero in 2D.
+    pub tangents: Vec<[[f64; 3]; 2]>,
+    /// Tangential components per node: dimension - 1.
+    pub components: usize,
+    /// Whether the normal component is kept: forces and velocities then have it after the tangential ones, directed into the body.
+    pub has_normal: bool,
+    /// Unit normals from the foundation into the body.
+    pub normals: Vec<[f64; 3]>,
+    /// Gap of the undeformed body, m, >= 0 unless the foundation gives way; empty where contact is bilateral.
+    pub gaps: Vec<f64>,
+    /// Number of faces of the contact part.
+    pub faces: usize,
+}
+
+impl ContactPatch {
+    /// Number of contact nodes.
+    pub fn node_count(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// Number of tangential components: nodes times components.
+    pub fn len(&self) -> usize {
+        self.nodes.len() * self.components
+    }
+
+    /// Components of forces and velocities per node: the tangential ones and, where it is kept, the normal one.
+    pub fn stride(&self) -> usize {
+        self.components + usize::from(self.has_normal)
+    }
+
+    /// Number of components of forces and velocities.
+    pub fn force_len(&self) -> usize {
+        self.nodes.len() * self.stride()
+    }
+
+    /// Whether nothing is in contact; never so for an assembled body.
+    pub fn is_empty(&self) -> bool {
+        self.nodes.is_empty()
+    }
+
+    /// Tangential stress on the body, Pa, at component `i` under the contact force Lambda = `force` (N).
+    pub fn stress(&self, i: usize, force: f64) -> f64 {
+        // 0 and not -0 without friction
+        (0.0 - force) / self.weights[i / self.components]
+    }
+}
