@@ -329,3 +329,29 @@ fn signals_are_followed_within_steps() {
     let (fine, coarse) = (end(0.02), end(0.2));
     assert!(common::relative(&coarse, &fine) < 1e-12);
 }
+
+/// Inputs that jump show in no output before the next step, and in all of them after it.
+#[test]
+fn jumps_show_with_the_next_step() {
+    for kind in ["bilateral", "unilateral", "compliance"] {
+        let mut sim = run(&text(kind, "condensed", "tr_bdf2", "velocity"), 10);
+        let model = sim.model().clone();
+        let outputs = |sim: &Simulator| {
+            let mut out = vec![0.0; sim.output_len()];
+            sim.get_outputs(&mut out).unwrap();
+            out
+        };
+        let before = outputs(&sim);
+        let mut jumped = inputs_at(&model, sim.time());
+        for (value, by) in jumped
+            .iter_mut()
+            .zip([0.2, 0.01, 0.01, 0.01, 0.01, 0.1, 0.001])
+        {
+            *value += by;
+        }
+        sim.jump_inputs(&jumped).unwrap();
+        assert_eq!(outputs(&sim), before, "{kind}");
+        sim.do_step(sim.time(), 0.02).unwrap();
+        assert!(common::relative(&outputs(&sim), &before) > 1e-3);
+    }
+}

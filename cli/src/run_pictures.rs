@@ -35,28 +35,23 @@ pub fn draw(
         Panel::Curves(line.curves(heading, Axis::new(quantity, unit), frames, values))
     };
     let where_ = line.description;
-    let rates = along("Slip rate", "slip rate", "m/s", |f| &f.slip_rate);
-    let stress = |f| {
-        let heading = "Tangential stress on the body";
-        along(heading, "tangential stress", "Pa", f)
-    };
-    let stress = stress(|f| &f.tangential_stress);
-    sheet(
-        format!("{name}: contact {where_}"),
-        520,
-        vec![rates, stress],
-    )
-    .save(folder, "contact")?;
+    let panels = vec![
+        along("Slip rate", "slip rate", "m/s", |f| &f.slip_rate),
+        along(
+            "Tangential stress on the body",
+            "tangential stress",
+            "Pa",
+            |f| &f.tangential_stress,
+        ),
+    ];
+    sheet(format!("{name}: contact {where_}"), 520, panels).save(folder, "contact")?;
     let has = |port: &str| frames.first().is_some_and(|f| !f.normal(port).is_empty());
-    let normal = |heading: &str, quantity: &str, unit: &str, values: fn(&Frame) -> &[f64]| {
-        Panel::Curves(line.nodal_curves(heading, Axis::new(quantity, unit), frames, values))
-    };
     if has("contact.pressure") {
-        let mut panels = vec![normal("Pressure", "pressure", "Pa", |f| {
+        let mut panels = vec![along("Pressure", "pressure", "Pa", |f| {
             f.normal("contact.pressure")
         })];
         if has("contact.gap") {
-            panels.push(normal("Gap", "gap", "m", |f| f.normal("contact.gap")));
+            panels.push(along("Gap", "gap", "m", |f| f.normal("contact.gap")));
         }
         sheet(format!("{name}: pressed {where_}"), 520, panels).save(folder, "pressure")?;
         let panels = vec![Panel::Curves(friction_curve(contact, frames))];
@@ -86,7 +81,6 @@ struct Line {
     nodes: Vec<usize>,
     /// Coordinate along the first tangent, m.
     position: Vec<f64>,
-    components: usize,
     axis: Axis,
     description: &'static str,
 }
@@ -128,7 +122,6 @@ impl Line {
         Line {
             position: nodes.iter().map(|&n| along(n)).collect(),
             nodes,
-            components: contact.components,
             axis: coordinate(first),
             description: match contact.components {
                 1 if contact.node_count() == 1 => "at its only node",
@@ -138,7 +131,7 @@ impl Line {
         }
     }
 
-    /// A field, its first component, at several instants.
+    /// A field over the contact nodes, its first component, at several instants.
     fn curves(
         &self,
         heading: &str,
@@ -146,33 +139,10 @@ impl Line {
         frames: &[Frame],
         values: fn(&Frame) -> &[f64],
     ) -> Curves {
-        self.curves_of(heading, y, frames, values, self.components)
-    }
-
-    /// A field with one value per node.
-    fn nodal_curves(
-        &self,
-        heading: &str,
-        y: Axis,
-        frames: &[Frame],
-        values: fn(&Frame) -> &[f64],
-    ) -> Curves {
-        self.curves_of(heading, y, frames, values, 1)
-    }
-
-    fn curves_of(
-        &self,
-        heading: &str,
-        y: Axis,
-        frames: &[Frame],
-        values: fn(&Frame) -> &[f64],
-        components: usize,
-    ) -> Curves {
+        let first = |f: &Frame, node: usize| values(f)[node * (values(f).len() / f.stick.len())];
         if let [node] = self.nodes[..] {
             // a single node has a course, not a length
-            let points = frames
-                .iter()
-                .map(|f| (f.time, values(f)[node * components]));
+            let points = frames.iter().map(|f| (f.time, first(f, node)));
             return Curves {
                 heading: heading.to_owned(),
                 x: Axis::new("time", "s"),
@@ -195,7 +165,7 @@ impl Line {
                     .nodes
                     .iter()
                     .zip(&self.position)
-                    .map(|(&node, &x)| (x, values(frame)[node * components]))
+                    .map(|(&node, &x)| (x, first(frame, node)))
                     .collect(),
             })
             .collect();

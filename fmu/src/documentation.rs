@@ -104,10 +104,22 @@ fn legend(model: &Model) -> String {
         scene.contact.part
     );
     entry(picture::CONTACT, &contact);
-    entry(
-        picture::CLAMPED,
-        &format!("clamped: {}", scene.clamped.join(", ")),
-    );
+    if !scene.clamped.is_empty() {
+        let words = format!("clamped: {}", scene.clamped.join(", "));
+        entry(picture::CLAMPED, &words);
+    }
+    if !scene.driven.is_empty() {
+        let parts: Vec<&str> = scene.driven.iter().map(|d| d.part.as_str()).collect();
+        let words = format!(
+            "driven, the arrow along a positive value: {}",
+            parts.join(", ")
+        );
+        entry(picture::DRIVEN, &words);
+    }
+    if !scene.contact.foundation.is_empty() {
+        let words = "motions of the foundation, the arrow along a positive value";
+        entry(picture::FOUNDATION, words);
+    }
     if !scene.loads.is_empty() {
         entry(picture::LOAD, "loads, the arrow along a positive value");
     }

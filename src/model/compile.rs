@@ -158,9 +158,8 @@ impl Compilation {
     /// # Errors
     /// Those of [`Compilation::field`].
     pub fn nodal_velocity(&self, state: &State) -> Result<Vec<[f64; 3]>> {
-        let motions = self.model.motions();
         self.nodal(state.velocity(), |drive| {
-            state.loads[motions.drive_input(drive)]
+            state.main.instant.drive_velocity[drive]
         })
     }
 

@@ -128,6 +128,12 @@ impl Motions {
         self.loads + drive
     }
 
+    /// The velocities of the drives, which are among the inputs.
+    pub fn drive_velocities(&self, inputs: &[f64], out: &mut [f64]) {
+        let first = self.drive_input(0);
+        out.copy_from_slice(&inputs[first..first + out.len()]);
+    }
+
     /// Adds `factor` times the velocities of the drives, which are among the inputs, to their displacements.
     pub fn integrate(&self, displacement: &mut [f64], factor: f64, inputs: &[f64]) {
         for (drive, displacement) in displacement.iter_mut().enumerate() {

@@ -74,7 +74,7 @@ pub(crate) fn read(model: &Model, state: &State, port: &Port, out: &mut [f64]) {
             return;
         }
         Quantity::Gap => {
-            let approach = motions.approach(&state.loads);
+            let approach = state.main.instant.approach[0];
             let moved = contact.gaps.iter().zip(&state.main.normal_displacement);
             for (out, (gap, moved)) in out.iter_mut().zip(moved) {
                 *out = gap + moved - approach;
@@ -98,7 +98,7 @@ pub(crate) fn read(model: &Model, state: &State, port: &Port, out: &mut [f64]) {
         Quantity::LoadVelocity(i) => state.main.instant.output_velocity[i] / model.load_measure(i),
         Quantity::Input(i) => state.inputs[i],
         Quantity::DriveDisplacement(i) => state.drive_displacement[i],
-        Quantity::DriveVelocity(i) => state.loads[motions.drive_input(i)],
+        Quantity::DriveVelocity(i) => state.main.instant.drive_velocity[i],
         Quantity::DriveForce(i) => state.main.instant.drive_force[i],
         Quantity::FoundationForce(i) => state.main.instant.foundation_force[i],
         Quantity::NormalForce => 0.0 + state.main.instant.normal_force.iter().sum::<f64>(),

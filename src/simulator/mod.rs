@@ -108,7 +108,6 @@ impl Simulator {
         self.check_coefficients()?;
         self.attempt(|model, state, ws| {
             state.time = time;
-            state.loads.copy_from_slice(&state.inputs);
             state.needs_settling = 0;
             input_course::start(model, state);
             state.start_memory(model);

@@ -27,6 +27,10 @@ blocks! {
         normal_force: Motion[|s| s.normal()],
         /// Normal forces with which the body is in balance, N.
         normal_reaction: Motion[|s| s.normal()],
+        /// Displacement of the foundation towards the body, m.
+        approach: Motion[|s| usize::from(s.has_normal)],
+        /// Velocities of the driven parts, m/s or rad/s.
+        drive_velocity: Motion[|s| s.drives],
         /// What drives the driven parts and the foundation, N or N m; in balance.
         drive_force: Motion[|s| s.drives],
         foundation_force: Motion[|s| s.foundation],

@@ -100,7 +100,6 @@ impl Simulator {
             tangents.settle(model, state, ws, approach)?;
             for t in &mut tangents.list {
                 t.velocities[0].store_into(&mut t.state);
-                t.state.loads.copy_from_slice(&t.load);
             }
             Ok(())
         })?;

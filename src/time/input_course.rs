@@ -130,6 +130,10 @@ pub(crate) fn start(model: &Model, state: &mut State) {
             None => state.loads[i] = state.inputs[i],
         }
     }
+    let approach = model.motions().approach(&state.loads);
+    state.main.instant.approach.fill(approach);
+    let velocities = &mut state.main.instant.drive_velocity;
+    model.motions().drive_velocities(&state.loads, velocities);
 }
 
 /// Velocity of the foundation towards the body at the start: that of the slopes given.

@@ -87,6 +87,8 @@ impl Relative {
             slip_rate,
             reaction,
             output_velocity: seen,
+            approach,
+            drive_velocity,
             drive_force,
             foundation_force,
             ..
@@ -96,9 +98,11 @@ impl Relative {
         body.correct(stage, contact, reaction, of_body, scratch);
         body.outputs(of_body, seen);
         velocity.load.copy_from_slice(inputs);
+        approach.fill(motions.approach(inputs));
         if motions.is_empty() {
             return;
         }
+        motions.drive_velocities(inputs, drive_velocity);
         motions.integrate(displacement, theta_k, inputs);
         motions.drive_forces(inputs, displacement, seen, reaction, drive_force);
         motions.foundation_forces(reaction, foundation_force);

@@ -118,7 +118,6 @@ impl Companion for Tangents {
         self.settle(model, state, ws, ws.approach[1])?;
         for t in &mut self.list {
             t.velocities[0].store_into(&mut t.state);
-            t.state.loads.copy_from_slice(&t.load);
         }
         Ok(())
     }
@@ -160,8 +159,6 @@ impl Companion for Tangents {
             let moves = &t.state.main.normal_displacement;
             let ends = (ws.approach[1], t.approach[1]);
             elastic += foundation::energy_slope(model, state, ends.0, (moves, ends.1));
-            // what is read of the inputs there
-            t.state.loads.copy_from_slice(&t.velocities[last].load);
             if !tableau.ends_with_stage() {
                 let to = &mut t.state;
                 to.mean_slip_rate.copy_from_slice(&d.instant.slip_rate);

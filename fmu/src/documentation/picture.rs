@@ -1,4 +1,4 @@
-//! The picture of the body: mesh, clamped, loaded and contact parts, probes, axes; as SVG. In 3D an oblique projection in
+//! The picture of the body: mesh, clamped, driven, loaded and contact parts, what moves, probes, axes; as SVG. In 3D an oblique projection in
 //! which the faces turned to the reader let the others shine through.
 
 use super::drawing::{Frame, OBLIQUE, Point, arrow, axes, path, project, text};
@@ -6,13 +6,15 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use stickslip::Model;
 use stickslip::mesh::Mesh;
-use stickslip::scene::LoadKind;
+use stickslip::scene::{DrivenDirection, Foundation, LoadKind};
 
 const ARROW: f64 = 56.0;
 /// A mesh with more faces to draw is shown by its outline alone.
 const MOST_FACES: usize = 20_000;
 pub const CONTACT: &str = "#c0392b";
 pub const CLAMPED: &str = "#444444";
+pub const DRIVEN: &str = "#7d3c98";
+pub const FOUNDATION: &str = "#b9770e";
 pub const LOAD: &str = "#1e8449";
 pub const PROBE: &str = "#1f4e9c";
 const LINES: &str = "#7f9cc4";
@@ -85,8 +87,10 @@ fn middle(mesh: &Mesh, faces: &[Vec<u32>]) -> Option<[f64; 3]> {
 fn body(frame: &Frame, mesh: &Mesh, model: &Model) -> String {
     let scene = model.scene();
     let loaded = scene.loads.iter().filter_map(|l| l.part.as_ref());
-    let parts = scene.clamped.iter().map(|name| (name, CLAMPED));
-    let parts: Vec<_> = parts.chain(loaded.map(|name| (name, LOAD))).collect();
+    let clamped = scene.clamped.iter().map(|name| (name, CLAMPED));
+    let driven = scene.driven.iter().map(|driven| (&driven.part, DRIVEN));
+    let held = clamped.chain(driven);
+    let parts: Vec<_> = held.chain(loaded.map(|name| (name, LOAD))).collect();
     let mut svg = String::new();
     if mesh.dimension == 2 {
         let cells: Vec<Vec<u32>> = mesh.cells().map(|cell| cell[..3].to_vec()).collect();
@@ -163,26 +167,79 @@ fn loads(frame: &Frame, mesh: &Mesh, model: &Model) -> String {
         let Some(place) = middle(mesh, faces.as_deref().unwrap_or(&corners)) else {
             continue;
         };
-        let mut direction = [0.0; 3];
-        direction[..load.direction.len()].copy_from_slice(&load.direction);
-        let d = project(&direction);
-        let length = d[0].hypot(d[1]).max(f64::MIN_POSITIVE);
-        let d = d.map(|x| ARROW * x / length);
-        let at = frame.at(&place);
-        // an arrow into the body ends on its side, one out of it or along it begins there
-        let inner = frame.at(&middle(mesh, &corners).unwrap_or(place));
-        let inwards = (inner[0] - at[0]) * d[0] + (inner[1] - at[1]) * d[1];
-        let is_inwards = load.kind == LoadKind::Traction
-            && inwards > 0.2 * ARROW * (inner[0] - at[0]).hypot(inner[1] - at[1]);
-        let (from, to) = match is_inwards {
-            true => ([at[0] - d[0], at[1] - d[1]], at),
-            false => (at, [at[0] + d[0], at[1] + d[1]]),
+        let is_inwards = load.kind == LoadKind::Traction && {
+            // an arrow into the body ends on its side, one out of it or along it begins there
+            let [at, inner] =
+                [place, middle(mesh, &corners).unwrap_or(place)].map(|p| frame.at(&p));
+            let [d, inner] = [along(&load.direction), [inner[0] - at[0], inner[1] - at[1]]];
+            inner[0] * d[0] + inner[1] * d[1] > 0.2 * ARROW * inner[0].hypot(inner[1])
         };
-        svg += &arrow(from, to, LOAD);
-        let far = if is_inwards { from } else { to };
-        svg += &text([far[0] + 8.0, far[1] - 6.0], "start", LOAD, &load.name);
+        let at = frame.at(&place);
+        svg += &pointer(at, &load.direction, is_inwards, LOAD, &load.name);
     }
     svg
+}
+
+/// A direction of the scene as drawn, as long as an arrow.
+fn along(direction: &[f64]) -> Point {
+    let mut vector = [0.0; 3];
+    vector[..direction.len()].copy_from_slice(direction);
+    let d = project(&vector);
+    let length = d[0].hypot(d[1]).max(f64::MIN_POSITIVE);
+    d.map(|x| ARROW * x / length)
+}
+
+/// An arrow that ends or begins at a place, with a name at its far end.
+fn pointer(at: Point, direction: &[f64], ends: bool, colour: &str, name: &str) -> String {
+    let d = along(direction);
+    let (from, to) = match ends {
+        true => ([at[0] - d[0], at[1] - d[1]], at),
+        false => (at, [at[0] + d[0], at[1] + d[1]]),
+    };
+    let far = if ends { from } else { to };
+    arrow(from, to, colour) + &text([far[0] + 8.0, far[1] - 6.0], "start", colour, name)
+}
+
+/// Arrows and names of what is driven, and of the motions of the foundation; what turns has its name alone.
+fn motions(frame: &Frame, mesh: &Mesh, model: &Model) -> String {
+    let mut svg = String::new();
+    for driven in &model.scene().driven {
+        let Some(place) = middle(mesh, &part(mesh, &driven.part)) else {
+            continue;
+        };
+        let at = frame.at(&place);
+        for (name, direction) in &driven.directions {
+            svg += &match direction {
+                DrivenDirection::Translation(along) => pointer(at, along, false, DRIVEN, name),
+                DrivenDirection::Rotation(_) => turning(at, -14.0, DRIVEN, name),
+            };
+        }
+    }
+    let contact = model.contact();
+    let middle = contact.node_count() / 2;
+    for (i, motion) in model.scene().contact.foundation.iter().enumerate() {
+        // on the side of the foundation, one below the other
+        let beside = 22.0 * (i + 1) as f64;
+        let out = along(&contact.normals[middle].map(|n| -n)).map(|x| beside * x / ARROW);
+        let on = frame.at(&contact.points[middle]);
+        let at = [on[0] + out[0], on[1] + out[1]];
+        svg += &match motion {
+            Foundation::Sliding {
+                name, direction, ..
+            } => pointer(at, direction, false, FOUNDATION, name),
+            Foundation::Rotation { name, .. } => turning(at, 0.0, FOUNDATION, name),
+            Foundation::Approach { name, .. } => {
+                pointer(on, &contact.normals[middle], true, FOUNDATION, name)
+            }
+        };
+    }
+    svg
+}
+
+/// The name of something that turns.
+fn turning(at: Point, lift: f64, colour: &str, name: &str) -> String {
+    let words = format!("{name} (turns)");
+    text([at[0], at[1] + lift], "middle", colour, &words)
 }
 
 fn probes(frame: &Frame, model: &Model) -> String {
@@ -229,6 +286,7 @@ pub fn svg(mesh: &Mesh, model: &Model) -> String {
     );
     svg += &body(&frame, mesh, model);
     svg += &loads(&frame, mesh, model);
+    svg += &motions(&frame, mesh, model);
     svg += &probes(&frame, model);
     svg += &numbers(&frame, model);
     svg += &axes(&frame, mesh.dimension);
