@@ -3,7 +3,8 @@
 use crate::course::{Energy, Frame};
 use crate::failure::Failure;
 use crate::pictures::{
-    Axis, BLUE, Colour, Curves, GREEN, Map, Mark, ORANGE, Panel, RED, Series, Sheet, sequential,
+    Axis, BLUE, Cell, Colour, Curves, GREEN, Map, Mark, ORANGE, Panel, RED, Series, Sheet,
+    sequential,
 };
 use std::path::Path;
 use stickslip::Scene;
@@ -180,7 +181,7 @@ impl Line {
     /// Slip rate over place and time.
     fn map(&self, frames: &[Frame]) -> Map {
         let times: Vec<f64> = frames.iter().map(|f| f.time).collect();
-        let values: Vec<Vec<Option<f64>>> = frames
+        let values: Vec<Vec<Cell>> = frames
             .iter()
             .map(|f| self.nodes.iter().map(|&n| rate(f, n)).collect())
             .collect();
@@ -238,22 +239,25 @@ fn friction_curve(contact: &ContactPatch, frames: &[Frame]) -> Curves {
     }
 }
 
-/// Magnitude of the slip rate of a node; `None` where it sticks, or is open.
-fn rate(frame: &Frame, node: usize) -> Option<f64> {
+/// Magnitude of the slip rate of a node, unless it sticks or is open.
+fn rate(frame: &Frame, node: usize) -> Cell {
     if frame.normal("contact.status").get(node) == Some(&0.0) {
-        return None;
+        return Cell::Open;
     }
     let c = frame.slip_rate.len() / frame.stick.len();
     let w = &frame.slip_rate[node * c..(node + 1) * c];
     let magnitude = w.iter().map(|v| v * v).sum::<f64>().sqrt();
-    (frame.stick[node] == 0.0).then_some(magnitude)
+    match frame.stick[node] {
+        0.0 => Cell::Amount(magnitude),
+        _ => Cell::Stick,
+    }
 }
 
 /// The scale of slip rates that all frames share.
 fn rates_axis(frames: &[Frame]) -> Axis {
     let all = frames
         .iter()
-        .flat_map(|f| (0..f.stick.len()).filter_map(move |n| rate(f, n)));
+        .flat_map(|f| (0..f.stick.len()).filter_map(move |n| rate(f, n).amount()));
     let largest = all.fold(0.0, f64::max);
     if largest == 0.0 {
         return Axis::new("slip rate", "m/s").between(0.0, 1.0);
@@ -326,7 +330,7 @@ fn plan_views(contact: &ContactPatch, frames: &[Frame]) -> Vec<Panel> {
         (0..all.len()).min_by(closer).unwrap_or(0)
     };
     let view = |frame: &Frame| {
-        let mut values = vec![vec![None; xs.len()]; ys.len()];
+        let mut values = vec![vec![Cell::Nothing; xs.len()]; ys.len()];
         for (node, point) in contact.points.iter().enumerate() {
             let (i, j) = (
                 nearest(&xs, dot(*point, first)),

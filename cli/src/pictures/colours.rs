@@ -7,6 +7,7 @@ pub const GREY: Colour = (120, 120, 120);
 pub const GRID: Colour = (225, 225, 225);
 /// Sticking contact in maps.
 pub const STICK: Colour = (214, 214, 214);
+pub const WHITE: Colour = (255, 255, 255);
 pub const BLUE: Colour = (0, 114, 178);
 pub const RED: Colour = (213, 94, 0);
 pub const GREEN: Colour = (0, 158, 115);

@@ -1,22 +1,41 @@
-//! A panel of coloured cells: an amount over two coordinates, grey where the contact sticks.
+//! A panel of coloured cells: an amount over two coordinates, grey where the contact sticks, white where it is open.
 
 use super::axes::{Axis, Plane};
 use super::canvas::{Anchor, Canvas, Frame, SMALL, TEXT};
-use super::colours::{BLACK, STICK, sequential};
+use super::colours::{BLACK, STICK, WHITE, sequential};
 use plotters::prelude::DrawingBackend;
 
 /// Room right of the plotted area for the colour scale.
 const SCALE_ROOM: f64 = 104.0;
 const LEGEND_ROW: f64 = 22.0;
 
-/// Cells `x_edges[i]..x_edges[i + 1]` by `y_edges[j]..y_edges[j + 1]`; `values[j][i]` is `None` where it sticks.
+/// What a cell shows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Cell {
+    Amount(f64),
+    Stick,
+    Open,
+    /// There is no contact.
+    Nothing,
+}
+
+impl Cell {
+    pub fn amount(self) -> Option<f64> {
+        match self {
+            Cell::Amount(amount) => Some(amount),
+            Cell::Stick | Cell::Open | Cell::Nothing => None,
+        }
+    }
+}
+
+/// Cells `x_edges[i]..x_edges[i + 1]` by `y_edges[j]..y_edges[j + 1]`, in `values[j][i]`.
 pub struct Map {
     pub heading: String,
     pub x: Axis,
     pub y: Axis,
     pub x_edges: Vec<f64>,
     pub y_edges: Vec<f64>,
-    pub values: Vec<Vec<Option<f64>>>,
+    pub values: Vec<Vec<Cell>>,
     /// What the colours mean.
     pub scale: Axis,
 }
@@ -38,11 +57,16 @@ impl Map {
         let (x, y) = (fit(&self.x, &self.x_edges), fit(&self.y, &self.y_edges));
         let plane = Plane::new(panel, x, y, LEGEND_ROW, SCALE_ROOM);
         canvas.rectangle(plane.frame, STICK)?;
-        let amounts = self.values.iter().flatten().flatten().copied();
+        let amounts = self.values.iter().flatten().filter_map(|c| c.amount());
         let colours = self.scale.fit_exactly(amounts);
         for (j, row) in self.values.iter().enumerate() {
-            for (i, amount) in row.iter().enumerate() {
-                let Some(amount) = amount else { continue };
+            for (i, shown) in row.iter().enumerate() {
+                let colour = match shown {
+                    Cell::Amount(amount) => sequential(colours.place(*amount)),
+                    Cell::Open | Cell::Nothing => WHITE,
+                    // the ground
+                    Cell::Stick => continue,
+                };
                 let (left, bottom) = plane.at(self.x_edges[i], self.y_edges[j]);
                 let (right, top) = plane.at(self.x_edges[i + 1], self.y_edges[j + 1]);
                 let cell = Frame {
@@ -51,20 +75,25 @@ impl Map {
                     right,
                     bottom,
                 };
-                canvas.rectangle(cell, sequential(colours.place(*amount)))?;
+                canvas.rectangle(cell, colour)?;
             }
         }
         plane.axes(canvas, &self.heading, panel)?;
         let top = plane.frame.top - 0.6 * LEGEND_ROW;
-        let patch = Frame {
-            left: plane.frame.left,
-            top: top - 7.0,
-            right: plane.frame.left + 26.0,
-            bottom: top + 7.0,
-        };
-        canvas.rectangle(patch, STICK)?;
-        canvas.outline(patch, BLACK, 1.0)?;
-        canvas.text("stick", (patch.right + 6.0, top), Anchor::Left, SMALL)?;
+        let has_open = self.values.iter().flatten().any(|c| *c == Cell::Open);
+        let open = has_open.then_some(("open", WHITE));
+        for (i, (word, colour)) in [("stick", STICK)].into_iter().chain(open).enumerate() {
+            let left = plane.frame.left + 90.0 * i as f64;
+            let patch = Frame {
+                left,
+                top: top - 7.0,
+                right: left + 26.0,
+                bottom: top + 7.0,
+            };
+            canvas.rectangle(patch, colour)?;
+            canvas.outline(patch, BLACK, 1.0)?;
+            canvas.text(word, (patch.right + 6.0, top), Anchor::Left, SMALL)?;
+        }
         let bar = Frame {
             left: plane.frame.right + 18.0,
             right: plane.frame.right + 36.0,

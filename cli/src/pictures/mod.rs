@@ -13,7 +13,7 @@ pub use axes::Axis;
 pub use body::BodyView;
 pub use colours::{BLACK, BLUE, BROWN, Colour, GREEN, GREY, ORANGE, PURPLE, RED, SKY, sequential};
 pub use curves::{Curves, Mark, Series};
-pub use map::Map;
+pub use map::{Cell, Map};
 pub use notes::Notes;
 pub use shape::{Place, Shape};
 
