@@ -5,8 +5,9 @@ set -eu
 cd "$(dirname "$0")/.."
 target=${CARGO_TARGET_DIR:-target}
 
-# the library that panics on request is built elsewhere, so that it is never the one that is packed
-CARGO_TARGET_DIR=$target/tests cargo build --release --workspace --all-features
+# The library that panics on request is built elsewhere, so that it is never the one that is packed: with the tests, whose
+# dependencies a build of its own would compile once more.
+CARGO_TARGET_DIR=$target/tests cargo test --release --workspace --all-features --no-run --quiet
 CARGO_TARGET_DIR=$target cargo build --release
 
 [ -x .venv/bin/python ] || python3 -m venv .venv
@@ -14,7 +15,7 @@ CARGO_TARGET_DIR=$target cargo build --release
 scripts/importers_fmu.sh .venv-importers
 
 STICKSLIP_BUILD=$(cd "$target/release" && pwd)
-STICKSLIP_PANIC_LIBRARY=$(cd "$target/tests/release" && pwd)/libstickslip_fmu.so
+STICKSLIP_PANIC_LIBRARY=$(cd "$target/tests/release/deps" && pwd)/libstickslip_fmu.so
 STICKSLIP_IMPORTERS=$(cd .venv-importers && pwd)
 export STICKSLIP_BUILD STICKSLIP_PANIC_LIBRARY STICKSLIP_IMPORTERS
 .venv/bin/python -m pytest -q fmu/tests "$@"

@@ -9,6 +9,10 @@ const LEFT_ROOM: f64 = 78.0;
 const BOTTOM_ROOM: f64 = 50.0;
 /// Room above it for the heading.
 const HEADING_ROOM: f64 = 26.0;
+/// Colours show values that differ by less than this part of the largest as one: what differs is the end of a relaxation, or rounding.
+const SAME_COLOUR: f64 = 1e-6;
+/// Decimals of a tick at most.
+const DECIMALS: i32 = 12;
 
 /// One axis: what it shows, its unit, and how.
 #[derive(Debug, Clone)]
@@ -48,10 +52,11 @@ impl Axis {
     pub(super) fn fit_exactly(&self, values: impl Iterator<Item = f64> + Clone) -> Fitted {
         let low = values.clone().fold(f64::INFINITY, f64::min);
         let high = values.clone().fold(f64::NEG_INFINITY, f64::max);
-        if self.range.is_some() || low >= high {
-            self.fit(values)
-        } else {
-            self.clone().between(low, high).fit(values)
+        let is_uniform = low >= high || high - low < SAME_COLOUR * low.abs().max(high.abs());
+        match self.range {
+            None if is_uniform && low.is_finite() => self.fit([low].into_iter()),
+            None if !is_uniform => self.clone().between(low, high).fit(values),
+            _ => self.fit(values),
         }
     }
 
@@ -147,7 +152,7 @@ impl Fitted {
             .unwrap_or(rough);
         // digits the step needs: 0.25 needs two, 0.2 one
         let mut decimals = 0;
-        while decimals < 6 && {
+        while decimals < DECIMALS && {
             let shifted = step * 10f64.powi(decimals);
             (shifted - shifted.round()).abs() > 1e-6
         } {
@@ -285,6 +290,26 @@ mod tests {
                 .ticks();
             assert!((2..=12).contains(&ticks.len()), "{ticks:?}");
             assert!(ticks.iter().all(|(value, _)| (0.1..=1.0).contains(value)));
+        }
+    }
+
+    /// Values that lie close together on a large one have ticks that can be told apart, and rounding is not drawn as a pattern.
+    #[test]
+    fn ticks_tell_apart_what_they_mark() {
+        for spread in [1.0, 1e-3, 3e-6, 1e-9, 0.0] {
+            let values = [100e-6, 100e-6 * (1.0 + spread)];
+            let ticks = Axis::new("u", "m").fit_exactly(values.into_iter()).ticks();
+            let mut texts: Vec<_> = ticks.iter().map(|(_, text)| text).collect();
+            texts.dedup();
+            assert!(
+                texts.len() == ticks.len() && texts.len() > 2,
+                "{spread}: {ticks:?}"
+            );
+            let covered = ticks[ticks.len() - 1].0 - ticks[0].0;
+            assert!(
+                spread > SAME_COLOUR || covered > 50e-6,
+                "{spread}: {ticks:?}"
+            );
         }
     }
 }
