@@ -334,10 +334,10 @@ fn certificate_and_norm_know_all_regions() {
     let scene = two_materials("kazmi2014", json!([8, 4]), "full");
     let compilation = Compilation::new(&parse(&scene)).expect("a body");
     let body = &compilation.body;
-    let extremes = body
-        .forms
-        .iter()
-        .map(|[a, b]| (a.extremes(2)[0], b.extremes(2)[1]));
+    let extremes = (0..body.mesh.cell_count()).map(|cell| {
+        let [a, b] = &*body.forms.of(cell);
+        (a.extremes(2)[0], b.extremes(2)[1])
+    });
     let (m_a, l_b) = extremes.fold((f64::INFINITY, 0.0_f64), |all, e| {
         (all.0.min(e.0), all.1.max(e.1))
     });

@@ -42,14 +42,15 @@ pub fn strain_norm(mesh: &Mesh, field: &[[f64; 3]]) -> f64 {
 pub fn contact_forces(body: &Body, displacement: &[[f64; 3]], velocity: &[[f64; 3]]) -> NodalField {
     let mesh = &body.mesh;
     let mut forces = vec![[0.0; 3]; mesh.nodes.len()];
-    let add = |stress: &mut [f64; 3], form: Form, strain: [f64; 3]| {
-        let trace = form.lambda * (strain[0] + strain[1]);
-        stress[0] += trace + form.two_mu * strain[0];
-        stress[1] += trace + form.two_mu * strain[1];
-        stress[2] += form.two_mu * strain[2];
+    let add = |stress: &mut [f64; 3], form: &Form, [xx, yy, xy]: [f64; 3]| {
+        let [x, y, .., shear] = form.stresses([xx, yy, 0.0, 0.0, 0.0, 2.0 * xy]);
+        stress[0] += x;
+        stress[1] += y;
+        stress[2] += shear;
     };
-    for (cell, region) in mesh.cells().zip(&mesh.cell_regions) {
-        let [viscosity, elasticity] = body.forms[*region as usize];
+    for (index, cell) in mesh.cells().enumerate() {
+        let forms = body.forms.of(index);
+        let [viscosity, elasticity] = &*forms;
         for (weight, gradients) in Cell::new(mesh, cell).points() {
             let mut stress = [0.0; 3];
             let elastic = strain(&gradients, cell, displacement);

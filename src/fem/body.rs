@@ -8,15 +8,14 @@ use super::cell::Cell;
 use super::contact::ContactPatch;
 use super::dofs::DofMap;
 use super::driven::Drives;
+use super::forms::Forms;
 use super::foundation;
 use super::loads::{LoadColumn, ProbeRows, load_columns, probe_rows};
 use super::operators::OperatorPair;
 use super::pieces::refuse_loose_pieces;
 use super::strain::StrainNorm;
 use crate::error::{Error, Result};
-use crate::material::Form;
 use crate::mesh::Mesh;
-use crate::message::cut;
 use crate::refusal::scene_error;
 use crate::scene::Scene;
 
@@ -39,8 +38,8 @@ pub struct Body {
     pub drives: Drives,
     /// Velocities of the foundation at the contact components by a unit of each of its motions.
     pub foundation: Vec<Vec<f64>>,
-    /// Viscosity A (Pa s) and elasticity B (Pa) of every region of the mesh.
-    pub forms: Vec<[Form; 2]>,
+    /// Viscosity A and elasticity B in every cell.
+    pub forms: Forms,
     /// The strain norm.
     pub strain: StrainNorm,
     /// Smallest and largest relaxation rate of the materials, 1/s: bounds of all eigenvalues of `A^-1 B`.
@@ -82,7 +81,7 @@ impl Body {
                 return Err(Error::Body { what });
             }
         }
-        let forms = forms(scene, &mesh)?;
+        let forms = Forms::new(scene, &mesh)?;
         let dofs = DofMap::new(scene, &mesh)?;
         refuse_loose_pieces(&mesh, &dofs)?;
         let operators = OperatorPair::from_elements(&mesh, &dofs, &forms);
@@ -106,7 +105,7 @@ impl Body {
             probes,
             drives,
             strain: StrainNorm::new(&mesh, &dofs, &forms),
-            element_rates: rates(&forms, mesh.dimension),
+            element_rates: forms.rates(mesh.dimension),
             forms,
             mesh,
             dofs,
@@ -171,41 +170,6 @@ fn interior_places(mesh: &Mesh, dofs: &DofMap) -> Vec<[f64; 3]> {
         }
     }
     places
-}
-
-/// The forms of A and B in every region of the mesh.
-fn forms(scene: &Scene, mesh: &Mesh) -> Result<Vec<[Form; 2]>> {
-    let materials = scene.materials();
-    let without_cells = |region: &str| mesh.regions.iter().all(|r| r != region);
-    for material in &materials {
-        if let Some(region) = material.region.filter(|region| without_cells(region)) {
-            let found = format!("{:?}, a region without cells", cut(region));
-            let allowed = format!("the regions {}", cut(&mesh.regions.join(", ")));
-            return Err(scene_error(
-                &format!("{}.region", material.path),
-                found,
-                allowed,
-            ));
-        }
-    }
-    let of_region = |region: &String| {
-        let is_its = |of: Option<&str>| of.is_none_or(|of| of == region);
-        let material = materials.iter().find(|m| is_its(m.region));
-        material.map(|m| m.operators.forms()).ok_or_else(|| {
-            let found = format!("none for the region {:?}", cut(region));
-            scene_error("materials", found, "a material for every region".to_owned())
-        })
-    };
-    mesh.regions.iter().map(of_region).collect()
-}
-
-/// Smallest and largest relaxation rate over the regions.
-fn rates(forms: &[[Form; 2]], dimension: usize) -> [f64; 2] {
-    forms
-        .iter()
-        .map(|&[a, b]| Form::rates(a, b, dimension))
-        .reduce(|x, y| [x[0].min(y[0]), x[1].max(y[1])])
-        .unwrap_or([f64::NAN; 2])
 }
 
 fn contact_patch(scene: &Scene, mesh: &Mesh, dofs: &DofMap) -> Result<ContactPatch> {

@@ -146,7 +146,7 @@ impl Cell {
     }
 
     /// Blocks (3 x 3, row of node `a`, column of node `b`, global axes) of the element matrices of two forms.
-    pub fn blocks(&self, a: usize, b: usize, forms: [Form; 2]) -> [Matrix3<f64>; 2] {
+    pub fn blocks(&self, a: usize, b: usize, forms: &[Form; 2]) -> [Matrix3<f64>; 2] {
         let mut sums = [Matrix3::zeros(); 2];
         if let Some(points) = &self.bent {
             for (weight, gradients) in &points.all {
@@ -217,9 +217,11 @@ mod tests {
         ELEMENTS.iter().map(cell).collect()
     }
 
-    const FORM: Form = Form {
-        lambda: 1.7,
-        two_mu: 0.9,
+    const LAMBDA: f64 = 1.7;
+    const TWO_MU: f64 = 0.9;
+    const FORM: Form = Form::Isotropic {
+        lambda: LAMBDA,
+        two_mu: TWO_MU,
     };
 
     fn energy(mesh: &Mesh, field: impl Fn(Vector3<f64>) -> Vector3<f64>) -> f64 {
@@ -227,7 +229,7 @@ mod tests {
         let mut energy = 0.0;
         for a in 0..mesh.nodes.len() {
             for b in 0..mesh.nodes.len() {
-                let [block, _] = element.blocks(a, b, [FORM; 2]);
+                let [block, _] = element.blocks(a, b, &[FORM; 2]);
                 let (u, v) = (point(mesh, a as u32), point(mesh, b as u32));
                 energy += field(u).dot(&(block * field(v)));
             }
@@ -237,7 +239,7 @@ mod tests {
 
     fn density(gradient: Matrix3<f64>) -> f64 {
         let strain = (gradient + gradient.transpose()) / 2.0;
-        FORM.lambda * strain.trace() * strain.trace() + FORM.two_mu * strain.norm_squared()
+        LAMBDA * strain.trace() * strain.trace() + TWO_MU * strain.norm_squared()
     }
 
     #[test]

@@ -13,11 +13,11 @@
 
 use super::cell::Cell;
 use super::dofs::DofMap;
+use super::forms::Forms;
 use super::held::motions;
 use super::operators::OperatorPair;
 use crate::error::Result;
 use crate::linalg::SparseCholesky;
-use crate::material::Form;
 use crate::mesh::Mesh;
 use crate::scene::Scene;
 use faer::ColMut;
@@ -58,7 +58,7 @@ impl Drives {
         scene: &Scene,
         mesh: &Mesh,
         dofs: &DofMap,
-        forms: &[[Form; 2]],
+        forms: &Forms,
         operators: &OperatorPair,
         places: &[[f64; 3]],
         (loads, probes): (&NodalRows, &NodalRows),
@@ -169,7 +169,7 @@ fn largest(field: &[Vector3<f64>]) -> f64 {
 }
 
 /// Forces of A and B at all nodes (global axes; a follower's are those of its leader) for vectors at all nodes.
-fn apply(mesh: &Mesh, forms: &[[Form; 2]], field: &[Vector3<f64>]) -> [Vec<Vector3<f64>>; 2] {
+fn apply(mesh: &Mesh, forms: &Forms, field: &[Vector3<f64>]) -> [Vec<Vector3<f64>>; 2] {
     let mut sums = [
         vec![Vector3::zeros(); field.len()],
         vec![Vector3::zeros(); field.len()],
@@ -179,10 +179,10 @@ fn apply(mesh: &Mesh, forms: &[[Form; 2]], field: &[Vector3<f64>]) -> [Vec<Vecto
             continue;
         }
         let shapes = Cell::new(mesh, nodes);
-        let forms = forms[mesh.cell_regions[cell] as usize];
+        let forms = forms.of(cell);
         for (a, row) in nodes.iter().enumerate() {
             for (b, column) in nodes.iter().enumerate() {
-                let blocks = shapes.blocks(a, b, forms);
+                let blocks = shapes.blocks(a, b, &forms);
                 for (sum, block) in sums.iter_mut().zip(blocks) {
                     sum[mesh.leader[*row as usize] as usize] += block * field[*column as usize];
                 }

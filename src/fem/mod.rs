@@ -1,4 +1,4 @@
-//! Finite elements for the Kelvin-Voigt body of (5.13)-(5.14): small strains, coefficients constant in every region.
+//! Finite elements for the Kelvin-Voigt body of (5.13)-(5.14): small strains, coefficients constant in every cell.
 //!
 //! From a scene and a mesh to what the numerics need: the two symmetric matrices A (viscosity) and B (elasticity) on the
 //! free displacements, the contact nodes with their frames and weights, one column per load and one row per probe output.
@@ -11,6 +11,7 @@ mod direction;
 mod dofs;
 mod driven;
 mod face;
+mod forms;
 mod foundation;
 mod held;
 mod loads;
@@ -25,6 +26,7 @@ pub use cell::{Cell, Simplex};
 pub use contact::ContactPatch;
 pub use dofs::DofMap;
 pub use driven::Drives;
+pub use forms::Forms;
 pub use loads::{LoadColumn, ProbeRows};
 pub use operators::OperatorPair;
 pub use strain::StrainNorm;

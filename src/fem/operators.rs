@@ -6,7 +6,7 @@
 
 use super::cell::Cell;
 use super::dofs::DofMap;
-use crate::material::Form;
+use super::forms::Forms;
 use crate::mesh::Mesh;
 use nalgebra::Matrix3;
 
@@ -33,11 +33,11 @@ struct Coupling {
 }
 
 impl OperatorPair {
-    /// Assembles both matrices from the forms of A and B in every region of the mesh.
+    /// Assembles both matrices from the forms of A and B in every cell of the mesh.
     ///
     /// Works node column by node column, gathering the cells around the node: no list of element entries has to be sorted,
     /// and the order of every sum is that of the cells, so that equal input gives equal bits.
-    pub fn from_elements(mesh: &Mesh, dofs: &DofMap, forms: &[[Form; 2]]) -> OperatorPair {
+    pub fn from_elements(mesh: &Mesh, dofs: &DofMap, forms: &Forms) -> OperatorPair {
         let (start, around) = cells_around(mesh);
         let n = dofs.len();
         let estimate = n * mesh.element.row_entries;
@@ -60,7 +60,7 @@ impl OperatorPair {
             for &(cell, local) in &around[range] {
                 let nodes = mesh.cell(cell as usize);
                 let shapes = Cell::new(mesh, nodes);
-                let forms = forms[mesh.cell_regions[cell as usize] as usize];
+                let forms = forms.of(cell as usize);
                 for (i, &node) in nodes.iter().enumerate() {
                     let node = mesh.leader[node as usize];
                     let rows = dofs.range(node);
@@ -78,7 +78,7 @@ impl OperatorPair {
                         });
                     }
                     let sum = &mut couplings[*slot as usize].blocks;
-                    let [block_a, block_b] = shapes.blocks(i, local as usize, forms);
+                    let [block_a, block_b] = shapes.blocks(i, local as usize, &forms);
                     sum[0] += block_a;
                     sum[1] += block_b;
                 }

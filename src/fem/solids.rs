@@ -2,6 +2,7 @@
 
 use super::cell::{Cell, Simplex};
 use super::dofs::DofMap;
+use super::forms::Forms;
 use super::operators::OperatorPair;
 use crate::element::{Barycentric, ElementKind};
 use crate::linalg::SparseCholesky;
@@ -10,7 +11,7 @@ use crate::mesh::{BoxMesh, Mesh, MeshSpec};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use std::f64::consts::PI;
 
-const FORM: Form = Form {
+const FORM: Form = Form::Isotropic {
     lambda: 1.3,
     two_mu: 0.8,
 };
@@ -41,7 +42,7 @@ fn assemble(mesh: &Mesh, is_held: &[bool]) -> (DofMap, OperatorPair) {
         mesh.dimension - 1,
         Vec::new(),
     );
-    let pair = OperatorPair::from_elements(mesh, &dofs, &[[FORM; 2]]);
+    let pair = OperatorPair::from_elements(mesh, &dofs, &Forms::uniform(mesh, [FORM; 2]));
     (dofs, pair)
 }
 

@@ -1,9 +1,10 @@
 //! The strain norm `|eps(u)|` in L2, the norm of V in the paper.
 //!
-//! With one isotropic material the form `(eps(u), eps(v))` lies in the span of A and B and costs no third matrix. Where regions
-//! differ it does not, and is assembled.
+//! With one isotropic material the form `(eps(u), eps(v))` lies in the span of A and B and costs no third matrix. Elsewhere it does
+//! not, and is assembled.
 
 use super::dofs::DofMap;
+use super::forms::Forms;
 use super::operators::OperatorPair;
 use crate::material::Form;
 use crate::mesh::Mesh;
@@ -18,15 +19,12 @@ pub enum StrainNorm {
 }
 
 impl StrainNorm {
-    /// For the forms of A and B in every region.
-    pub(super) fn new(mesh: &Mesh, dofs: &DofMap, forms: &[[Form; 2]]) -> StrainNorm {
-        match forms {
-            [first, others @ ..] if others.iter().all(|f| f == first) => combination(*first),
-            _ => {
-                let strain = vec![[Form::STRAIN; 2]; forms.len()];
-                StrainNorm::Assembled(OperatorPair::from_elements(mesh, dofs, &strain).a)
-            }
-        }
+    /// For the forms of A and B in every cell.
+    pub(super) fn new(mesh: &Mesh, dofs: &DofMap, forms: &Forms) -> StrainNorm {
+        forms.common().and_then(combination).unwrap_or_else(|| {
+            let strain = Forms::uniform(mesh, [Form::STRAIN; 2]);
+            StrainNorm::Assembled(OperatorPair::from_elements(mesh, dofs, &strain).a)
+        })
     }
 
     /// Its entries on the pattern of the operators.
@@ -42,12 +40,26 @@ impl StrainNorm {
     }
 }
 
-fn combination([a, b]: [Form; 2]) -> StrainNorm {
-    let det = a.two_mu * b.lambda - b.two_mu * a.lambda;
-    let size = (a.two_mu.abs() + a.lambda.abs()) * (b.two_mu.abs() + b.lambda.abs());
-    if det.abs() <= 1e-9 * size {
-        StrainNorm::Combination(1.0 / a.two_mu, 0.0)
+/// The norm of two isotropic forms; `None` for others.
+fn combination(forms: [Form; 2]) -> Option<StrainNorm> {
+    let [
+        Form::Isotropic {
+            lambda: of_a,
+            two_mu: a_two_mu,
+        },
+        Form::Isotropic {
+            lambda: of_b,
+            two_mu: b_two_mu,
+        },
+    ] = forms
+    else {
+        return None;
+    };
+    let det = a_two_mu * of_b - b_two_mu * of_a;
+    let size = (a_two_mu.abs() + of_a.abs()) * (b_two_mu.abs() + of_b.abs());
+    Some(if det.abs() <= 1e-9 * size {
+        StrainNorm::Combination(1.0 / a_two_mu, 0.0)
     } else {
-        StrainNorm::Combination(b.lambda / det, -a.lambda / det)
-    }
+        StrainNorm::Combination(of_b / det, -of_a / det)
+    })
 }

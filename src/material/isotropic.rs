@@ -86,9 +86,53 @@ const ELASTICITY: [Parameter; 3] = [
     ),
 ];
 
-/// `n c + d`, the eigenvalue on the identity.
-fn spherical(form: Form, dimension: usize) -> f64 {
-    dimension as f64 * form.lambda + form.two_mu
+/// `c tr(tau) I + d tau`.
+#[derive(Debug, Clone, Copy)]
+struct Pair {
+    lambda: f64,
+    two_mu: f64,
+}
+
+impl Pair {
+    /// `n c + d`, the eigenvalue on the identity.
+    fn spherical(self, dimension: usize) -> f64 {
+        dimension as f64 * self.lambda + self.two_mu
+    }
+
+    fn form(self) -> Form {
+        let Pair { lambda, two_mu } = self;
+        Form::Isotropic { lambda, two_mu }
+    }
+}
+
+impl IsotropicViscosity {
+    fn pair(&self) -> Pair {
+        Pair {
+            lambda: self.mu1,
+            two_mu: self.mu2,
+        }
+    }
+}
+
+impl IsotropicElasticity {
+    fn pair(&self) -> Pair {
+        let IsotropicElasticity {
+            young,
+            poisson,
+            convention,
+        } = *self;
+        let lambda = match convention {
+            Convention::Kazmi2014 => young * poisson / ((1.0 - poisson) * (1.0 - 2.0 * poisson)),
+            Convention::PlaneStrain | Convention::ThreeDimensional => {
+                young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson))
+            }
+            Convention::PlaneStress => young * poisson / (1.0 - poisson * poisson),
+        };
+        Pair {
+            lambda,
+            two_mu: young / (1.0 + poisson),
+        }
+    }
 }
 
 fn is_positive(value: f64) -> bool {
@@ -101,7 +145,7 @@ impl Law for IsotropicViscosity {
     }
 
     fn check(&self, dimension: usize, path: &str) -> Verdict {
-        let trace = spherical(self.form(), dimension);
+        let trace = self.pair().spherical(dimension);
         ensure(is_positive(trace), || {
             let (mu1, trace) = (number(self.mu1), number(trace));
             Refusal::new(
@@ -113,10 +157,7 @@ impl Law for IsotropicViscosity {
     }
 
     fn form(&self) -> Form {
-        Form {
-            lambda: self.mu1,
-            two_mu: self.mu2,
-        }
+        self.pair().form()
     }
 }
 
@@ -139,10 +180,10 @@ impl Law for IsotropicElasticity {
             let names: Vec<String> = allowed.iter().map(json).collect();
             Refusal::new(format!("{path}.convention"), found, names.join(", "))
         })?;
-        let form = self.form();
-        let is_usable = is_positive(form.two_mu) && is_positive(spherical(form, dimension));
+        let pair = self.pair();
+        let is_usable = is_positive(pair.two_mu) && is_positive(pair.spherical(dimension));
         ensure(is_usable, || {
-            let (lambda, two_mu) = (number(form.lambda), number(form.two_mu));
+            let (lambda, two_mu) = (number(pair.lambda), number(pair.two_mu));
             let found = format!("lambda = {lambda}, 2 mu = {two_mu}");
             let allowed = format!("2 mu and {dimension} lambda + 2 mu finite and > 0");
             Refusal::new(path, found, allowed)
@@ -150,22 +191,7 @@ impl Law for IsotropicElasticity {
     }
 
     fn form(&self) -> Form {
-        let IsotropicElasticity {
-            young,
-            poisson,
-            convention,
-        } = *self;
-        let lambda = match convention {
-            Convention::Kazmi2014 => young * poisson / ((1.0 - poisson) * (1.0 - 2.0 * poisson)),
-            Convention::PlaneStrain | Convention::ThreeDimensional => {
-                young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson))
-            }
-            Convention::PlaneStress => young * poisson / (1.0 - poisson * poisson),
-        };
-        Form {
-            lambda,
-            two_mu: young / (1.0 + poisson),
-        }
+        self.pair().form()
     }
 }
 
@@ -173,13 +199,13 @@ impl Law for IsotropicElasticity {
 mod tests {
     use super::*;
 
-    fn elasticity(convention: Convention) -> Form {
+    fn elasticity(convention: Convention) -> Pair {
         let law = IsotropicElasticity {
             young: 1.0,
             poisson: 0.3,
             convention,
         };
-        law.form()
+        law.pair()
     }
 
     /// The closed forms of lambda, evaluated by hand at E = 1, kappa = 0.3.
@@ -191,19 +217,19 @@ mod tests {
             (Convention::ThreeDimensional, 0.3 / 0.52),
             (Convention::PlaneStress, 0.3 / 0.91),
         ] {
-            let form = elasticity(convention);
-            assert!((form.lambda - lambda).abs() < 1e-15, "{convention:?}");
-            assert!((form.two_mu - 1.0 / 1.3).abs() < 1e-15);
+            let pair = elasticity(convention);
+            assert!((pair.lambda - lambda).abs() < 1e-15, "{convention:?}");
+            assert!((pair.two_mu - 1.0 / 1.3).abs() < 1e-15);
         }
     }
 
     /// Plane stress is uniaxial in the plane: `sigma_yy = 0` at `eps_yy = -kappa eps_xx` gives `sigma_xx = E eps_xx`.
     #[test]
     fn plane_stress_gives_youngs_modulus() {
-        let form = elasticity(Convention::PlaneStress);
+        let pair = elasticity(Convention::PlaneStress);
         let (xx, yy) = (1.0, -0.3);
-        assert!((form.lambda * (xx + yy) + form.two_mu * yy).abs() < 1e-15);
-        assert!((form.lambda * (xx + yy) + form.two_mu * xx - 1.0).abs() < 1e-15);
+        assert!((pair.lambda * (xx + yy) + pair.two_mu * yy).abs() < 1e-15);
+        assert!((pair.lambda * (xx + yy) + pair.two_mu * xx - 1.0).abs() < 1e-15);
     }
 
     /// The declarations name the keys of the scene, and the choices its words.

@@ -6,9 +6,11 @@
 
 mod form;
 mod isotropic;
+mod voigt;
 
 pub use form::{Form, GradientPair};
 pub use isotropic::{Convention, IsotropicElasticity, IsotropicViscosity};
+pub use voigt::{COMPONENTS, Voigt};
 
 use crate::refusal::Verdict;
 use schemars::JsonSchema;

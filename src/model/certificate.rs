@@ -3,7 +3,7 @@
 //! With the trace constant `c0` (`|v_tau|_{L2(contact)} <= c0 |eps(v)|`, (5.12)), the one-sided Lipschitz constant
 //! `L_g` of the friction bound (5.16), the largest rate at which the bound of any node decreases with the slip rate, and the ellipticity constant `m_A` of the viscosity:
 //!
-//! With several materials `m_A` is the smallest and `L_B` the largest over the regions.
+//! With several materials `m_A` is the smallest and `L_B` the largest over the cells.
 //!
 //! * the continuous problem has one solution when `c0^2 L_g < m_A` (Theorem 5.3; (2.6) with beta = c0^2 L_g, m = m_A);
 //! * a trapezoidal step has one solution when also `k < (m_A - c0^2 L_g) / L_B` (3.6), `L_B` the norm of the elasticity;
@@ -147,10 +147,7 @@ pub fn certify(
         StrainNorm::Combination(x, y) => constants(*x, *y)?,
         StrainNorm::Assembled(values) => constants_of(body, cholesky, values)?,
     };
-    let extremes = |which: usize, extreme: usize| {
-        let of = body.forms.iter().map(move |forms| forms[which]);
-        of.map(move |form| form.extremes(body.mesh.dimension)[extreme])
-    };
+    let [m_a, l_b] = body.forms.constants(body.mesh.dimension);
     let step = constants(1.0, theta_k)?;
     Ok(Certificate {
         c0_squared: 1.0 / of_strains.sharp,
@@ -159,8 +156,8 @@ pub fn certify(
         } else {
             law.weakening
         },
-        m_a: extremes(0, 0).fold(f64::INFINITY, f64::min),
-        l_b: extremes(1, 1).fold(0.0, f64::max),
+        m_a,
+        l_b,
         sharp_instant: constants(1.0, 0.0)?.sharp,
         sharp_step: step.sharp,
         coulomb: law.coefficient.map(|coefficient| CoulombConstants {
