@@ -175,6 +175,38 @@ def step_against_getfem(table, ours, peer, cells, times_goal, repetitions, is_le
     table.add(figure, goal, told, number(other / 1e3, " ms"), other >= times_goal * time)
 
 
+def users_scenes(table, ours, peers, repetitions):
+    """Scenes of benches/peers, which the scripts beside them write for another program; the answers are compared over the whole run."""
+    folder = ROOT / "benches" / "peers"
+    command = ["cargo", "run", "--release", "--quiet", "--", "run"]
+    for scene, script, program, python, imports, goal in (
+        ("shoe", "shoe_scikit_fem.py", "scikit-fem + SuperLU + Newton", peers["scikit-fem"], "skfem, meshio", 20),
+        ("pad", "pad_scikit_fem.py", "scikit-fem + SuperLU + Newton", peers["scikit-fem"], "skfem", 5),
+        ("pad", "pad_getfem.py", "GetFEM", peers["getfem"], "getfem", 100),
+    ):
+        file = folder / f"{scene}.json"
+        figure, wanted = f"step of benches/peers/{scene}.json against {program}", f">= {goal} times, outputs equal to 1e-6"
+        runs = [ours("course", str(file)) for _ in range(repetitions)]
+        time = best(runs, "mean_us")
+        told = f"{number(time, ' us')}, {runs[0]['iterations']:.2g} iterations a step"
+        peer = Peer(folder, script, python, imports)
+        theirs = []
+        with tempfile.TemporaryDirectory() as scratch:
+            table_file = Path(scratch) / "ours.csv"
+            subprocess.run([*command, file, "--csv", table_file], cwd=ROOT, stdout=subprocess.DEVNULL, check=True)
+            for _ in range(0 if peer.missing else repetitions):
+                tell(script)
+                theirs.append(last_line([peer.python, folder / script, table_file]))
+        table.data[figure] = {"ours": runs, "theirs": theirs}
+        if not theirs:
+            table.add(figure, wanted, told, peer.missing, None)
+            continue
+        other = 1e6 * best(theirs, "step_s")
+        worst = max(theirs[0]["differences"].values())
+        told += f": **{other / time:.0f} times**; largest difference {worst:.1e}"
+        table.add(figure, wanted, told, number(other / 1e3, " ms"), other >= goal * time and worst <= 1e-6)
+
+
 def step_against_floor(table, ours):
     runs = {}
     for start in ("consistent", "zero"):
@@ -320,6 +352,7 @@ def main():
     step_against_scikit_fem(table, ours, skfem, 256, 100, 1e-8, 2)
     step_against_getfem(table, ours, getfem, 32, 1000, 3, False)
     step_against_getfem(table, ours, getfem, 256, 10_000, 1, options.quick)
+    users_scenes(table, ours, {"scikit-fem": options.python, "getfem": options.getfem_python}, 3)
     step_against_floor(table, ours)
     setup(table, ours, skfem, 3)
     growth(table, ours)

@@ -3,6 +3,7 @@
 //!
 //! ```text
 //! cargo bench --bench goals -- steps [SCENE] [PATH=VALUE]...      steps of the run, against their floor; the end of the run
+//! cargo bench --bench goals -- course FILE                        steps of the run of a scene file
 //! cargo bench --bench goals -- compile [SCENE] [PATH=VALUE]... [save=FILE]   set-up: CPU time, peak memory
 //! cargo bench --bench goals -- load FILE                          a compiled model from its bytes
 //! cargo bench --bench goals -- finest                             the finest run of the paper and what replaces it
@@ -49,6 +50,7 @@ fn main() -> ExitCode {
 fn measure(row: &str, rest: &[String]) -> Outcome {
     match (row, rest) {
         ("steps", _) => steps::measure(&scene(rest)?),
+        ("course", [file]) => steps::course(file),
         ("compile", _) => {
             let (save, rest): (Vec<_>, Vec<_>) =
                 rest.iter().cloned().partition(|a| a.starts_with("save="));

@@ -7,10 +7,11 @@ use common::{value, values};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatMut, MatRef, Par};
 use serde_json::{Value, json};
+use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use stickslip::simulator::drive::Drive;
-use stickslip::{Model, Scene, Simulator, linalg};
+use stickslip::{Folder, Model, Scene, Simulator, linalg};
 
 /// Time for the runs of one kind.
 const PATIENCE: Duration = Duration::from_millis(1500);
@@ -144,6 +145,24 @@ fn mean(steps: &[Timed], is_part: impl Fn(&Timed) -> bool) -> Value {
         0 => Value::Null,
         count => json!(times.iter().sum::<f64>() / count as f64),
     }
+}
+
+/// Steps of the run of a scene file.
+pub fn course(file: &str) -> Outcome {
+    let text = std::fs::read_to_string(file)?;
+    let scene = Scene::from_json(&text, file)?;
+    let model = stickslip::compile_from(&scene, &Folder::of(Path::new(file)))?;
+    let mut run = Run::new(&scene, &model, 1.0)?;
+    let steps = run.steps()?;
+    let iterations: f64 = steps.iter().map(|s| s.iterations).sum();
+    Ok(json!({
+        "contact": model.contact().len(),
+        "states": model.states(),
+        "mean_us": mean(&steps, |_| true),
+        "worst_us": steps.iter().fold(0.0_f64, |w, s| w.max(s.time)),
+        "iterations": iterations / steps.len() as f64,
+        "factorizations": steps.iter().map(|s| s.factorizations).sum::<u64>(),
+    }))
 }
 
 pub fn measure(scene: &Scene) -> Outcome {

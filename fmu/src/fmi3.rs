@@ -9,6 +9,7 @@
 //! NULL where the standard forbids it, and invalid instance or state pointers, are answered with an error.
 #![allow(unsafe_code, clippy::missing_safety_doc, clippy::too_many_arguments)]
 
+mod events;
 mod states;
 pub mod unsupported;
 mod values;
@@ -101,7 +102,7 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
     _visible: Boolean,
     logging_on: Boolean,
     event_mode_used: Boolean,
-    _early_return_allowed: Boolean,
+    early_return_allowed: Boolean,
     _intermediate_variables: *const u32,
     _intermediate_count: usize,
     environment: *mut c_void,
@@ -112,9 +113,14 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
         true => guard::resources_beside_library(),
         false => native_path(text(resources, "the path of the resources")?.to_bytes()),
     };
-    let refusal = (event_mode_used != 0).then_some("this FMU has no event mode");
     let log = logger(log_message, environment, logging_on);
-    guard::create(name, token, location, refusal, log)
+    let instance = guard::create(name, token, location, None, log);
+    if event_mode_used != 0 && !instance.is_null() {
+        run(instance, |instance| {
+            instance.use_events(early_return_allowed != 0)
+        });
+    }
+    instance
 }
 
 #[unsafe(no_mangle)]
@@ -175,8 +181,10 @@ pub unsafe extern "C" fn fmi3DoStep(
         for flag in flags {
             write(flag, 0, "a flag")?;
         }
-        let outcome = instance.do_step(time, step);
+        let outcome = instance.do_step_to_event(time, step);
         write(last_time, instance.time(), "the last successful time")?;
-        outcome
+        let end = outcome?;
+        write(event_needed, end.has_event.into(), "a flag")?;
+        write(early_return, end.is_early.into(), "a flag")
     })
 }

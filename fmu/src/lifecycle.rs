@@ -5,6 +5,7 @@
 //! restoring a saved state, with another step or by a reset. After a panic only freeing is left.
 
 mod derivatives;
+mod events;
 mod states;
 mod values;
 
@@ -17,6 +18,7 @@ use crate::phase::Phase;
 use crate::registry;
 use crate::saved::Saved;
 use crate::variables::Role;
+use events::Events;
 use std::sync::Arc;
 use stickslip::Simulator;
 
@@ -38,28 +40,34 @@ pub enum Call {
     GetSlope,
     Derivative,
     States,
+    EnterEventMode,
+    UpdateDiscreteStates,
+    EnterStepMode,
 }
 
-/// Allowed calls: before initialization, in initialization mode, in step mode, after termination.
-const ALLOWED: [(Call, [bool; 4]); 15] = {
+/// Allowed calls: before initialization, in initialization mode, in step mode, after termination, in event mode.
+const ALLOWED: [(Call, [bool; 5]); 18] = {
     const Y: bool = true;
     const N: bool = false;
     [
-        (Call::SetDebugLogging, [Y, Y, Y, Y]),
-        (Call::SetupExperiment, [Y, N, N, N]),
-        (Call::EnterInitialization, [Y, N, N, N]),
-        (Call::ExitInitialization, [N, Y, N, N]),
-        (Call::DoStep, [N, N, Y, N]),
-        (Call::Terminate, [N, N, Y, N]),
-        (Call::Reset, [Y, Y, Y, Y]),
-        (Call::Get, [Y, Y, Y, Y]),
-        (Call::SetInput, [Y, Y, Y, N]),
-        (Call::SetTunable, [Y, Y, Y, N]),
-        (Call::SetFixed, [Y, Y, N, N]),
-        (Call::SetSlope, [Y, Y, Y, N]),
-        (Call::GetSlope, [N, N, Y, Y]),
-        (Call::Derivative, [N, Y, Y, Y]),
-        (Call::States, [Y, Y, Y, Y]),
+        (Call::SetDebugLogging, [Y, Y, Y, Y, Y]),
+        (Call::SetupExperiment, [Y, N, N, N, N]),
+        (Call::EnterInitialization, [Y, N, N, N, N]),
+        (Call::ExitInitialization, [N, Y, N, N, N]),
+        (Call::DoStep, [N, N, Y, N, N]),
+        (Call::Terminate, [N, N, Y, N, Y]),
+        (Call::Reset, [Y, Y, Y, Y, Y]),
+        (Call::Get, [Y, Y, Y, Y, Y]),
+        (Call::SetInput, [Y, Y, Y, N, Y]),
+        (Call::SetTunable, [Y, Y, Y, N, Y]),
+        (Call::SetFixed, [Y, Y, N, N, N]),
+        (Call::SetSlope, [Y, Y, Y, N, Y]),
+        (Call::GetSlope, [N, N, Y, Y, Y]),
+        (Call::Derivative, [N, Y, Y, Y, Y]),
+        (Call::States, [Y, Y, Y, Y, Y]),
+        (Call::EnterEventMode, [N, N, Y, N, N]),
+        (Call::UpdateDiscreteStates, [N, N, N, N, Y]),
+        (Call::EnterStepMode, [N, N, N, N, Y]),
     ]
 };
 
@@ -97,6 +105,8 @@ pub struct Instance {
     saved: Vec<(u64, Saved)>,
     serial: u64,
     saves: u64,
+    /// Present when the importer uses event mode.
+    events: Option<Events>,
 }
 
 impl Instance {
@@ -114,6 +124,7 @@ impl Instance {
             saved: Vec::new(),
             serial,
             saves: 0,
+            events: None,
             simulator,
             packed: Arc::clone(&component),
             component,
@@ -202,7 +213,7 @@ impl Instance {
         self.permit(Call::ExitInitialization)?;
         self.compile()?;
         self.simulator.init(self.start_time)?;
-        self.phase = Phase::Stepping;
+        self.phase = self.phase_after_initialization();
         self.are_values_fresh = false;
         Ok(())
     }

@@ -38,7 +38,9 @@ impl Category {
                 "What accepted steps note: several solutions, a friction law that holds as well as rounding allows; when it begins \
                  and when it has ended."
             }
-            Category::Event => "Compilation of the scene with changed parameters.",
+            Category::Event => {
+                "Compilation of the scene with changed parameters; events of the contact, for importers that use event mode."
+            }
         }
     }
 }

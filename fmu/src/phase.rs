@@ -7,12 +7,13 @@ pub enum Phase {
     Initialization = 1,
     Stepping = 2,
     Terminated = 3,
+    Event = 4,
 }
 
 impl Phase {
     pub fn from_number(number: u64) -> Option<Phase> {
         use Phase::*;
-        [Instantiated, Initialization, Stepping, Terminated]
+        [Instantiated, Initialization, Stepping, Terminated, Event]
             .into_iter()
             .find(|p| *p as u64 == number)
     }
@@ -23,6 +24,7 @@ impl Phase {
             Phase::Initialization => "in initialization mode",
             Phase::Stepping => "in step mode",
             Phase::Terminated => "after termination",
+            Phase::Event => "in event mode",
         }
     }
 }

@@ -154,15 +154,22 @@ def test_38_percent_signs_in_messages_are_printed_literally(library, pad):
     assert form == "%s" and "%s%n%d" in message and status == ERROR and category == "logStatusError"
 
 
-def test_39_event_mode_gives_null(library):
-    if library.version == 2:
-        assert refused(library, kind=0)  # Model Exchange, the mode that FMI 2 knows and this FMU does not
-    else:
-        assert refused(library, event_mode=True)
-        assert refused(library, kind=0)
+def test_39_event_mode_is_used_only_by_who_asks_for_it(library):
+    assert refused(library, kind=0)  # Model Exchange
+    if library.version == 3:
+        plain = Instance(library).start()
+        for name in ("fmi3EnterEventMode", "fmi3EnterStepMode"):
+            assert getattr(library.dll, name)(plain.p) == ERROR and name in plain.log[-1][3]
+        plain.free()
+        asking = Instance(library, event_mode=True).start()
+        # initialization leads to event mode
+        assert asking.step(0.0, H) == ERROR and "in event mode" in asking.log[-1][3]
+        assert library.dll.fmi3EnterStepMode(asking.p) == OK
+        assert asking.step(0.0, H) == OK
+        asking.free()
 
 
-def test_40_no_early_return(library):
+def test_40_no_early_return_without_event_mode(library):
     for early in (False, True):
         pad = Instance(library, early_return=early).start()
         assert pad.step(0.0, H) == OK

@@ -84,9 +84,9 @@ pub fn write(source: &Source) -> String {
             ("canHandleVariableCommunicationStepSize", "true"),
             ("maxOutputDerivativeOrder", "1"),
             ("providesIntermediateUpdate", "false"),
-            ("mightReturnEarlyFromDoStep", "false"),
+            ("mightReturnEarlyFromDoStep", "true"),
             ("canReturnEarlyAfterIntermediateUpdate", "false"),
-            ("hasEventMode", "false"),
+            ("hasEventMode", "true"),
         ],
     );
     write_units(&mut xml, &source.variables);

@@ -1,4 +1,4 @@
-//! The functions of FMI 3.0 for what this FMU does not declare: other types, clocks, events, Model Exchange, Scheduled
+//! The functions of FMI 3.0 for what this FMU does not declare: other types, clocks, Model Exchange, Scheduled
 //! Execution, configuration. They answer with an error and say so in the log; none pretends.
 #![allow(unsafe_code, clippy::missing_safety_doc, clippy::too_many_arguments)]
 
@@ -74,8 +74,6 @@ refused! {
     fmi3GetVariableDependencies(r: u32, e: *mut usize, i: *mut u32, f: *mut usize, k: *mut c_int, n: usize);
     fmi3EnterConfigurationMode();
     fmi3ExitConfigurationMode();
-    fmi3EnterEventMode();
-    fmi3EnterStepMode();
     fmi3GetIntervalDecimal(r: *const u32, n: usize, intervals: *mut f64, qualifiers: *mut c_int);
     fmi3GetIntervalFraction(r: *const u32, n: usize, counters: *mut u64, resolutions: *mut u64, q: *mut c_int);
     fmi3GetShiftDecimal(r: *const u32, n: usize, shifts: *mut f64);
@@ -85,10 +83,6 @@ refused! {
     fmi3SetShiftDecimal(r: *const u32, n: usize, shifts: *const f64);
     fmi3SetShiftFraction(r: *const u32, n: usize, counters: *const u64, resolutions: *const u64);
     fmi3EvaluateDiscreteStates();
-    fmi3UpdateDiscreteStates(
-        needs_update: *mut Boolean, terminate: *mut Boolean, nominals_changed: *mut Boolean,
-        values_changed: *mut Boolean, has_next_event: *mut Boolean, next_event: *mut f64
-    );
     fmi3EnterContinuousTimeMode();
     fmi3CompletedIntegratorStep(no_set: Boolean, enter_event_mode: *mut Boolean, terminate: *mut Boolean);
     fmi3SetTime(time: f64);
