@@ -23,7 +23,13 @@ struct Case {
 
 const ALL: &[&str] = &["full", "condensed", "reduced"];
 
-const CASES: &[Case] = &[case("plate_hole_regions"), case("shoe_arc")];
+const CASES: &[Case] = &[
+    case("paper_u0_bodyforce"),
+    case("plate_hole_orthotropic_p2"),
+    case("plate_hole_regions"),
+    case("shoe_arc"),
+    case("shoe_arc_p2"),
+];
 
 /// All models, to seven digits.
 const fn case(name: &'static str) -> Case {

@@ -76,6 +76,147 @@ fn relaxation_without_friction() {
     }
 }
 
+/// A body that starts displaced relaxes at its one rate: slip, outputs and energies begin with what it starts with, and the balance is
+/// closed.
+#[test]
+fn an_initial_displacement_relaxes() {
+    let k = 0.05;
+    for model in ["full", "condensed", "reduced"] {
+        let mut value_of_scene = column([1, 4], 0.0, frictionless(), k);
+        value_of_scene["fidelity"]["model"] = json!(model);
+        value_of_scene["initial"] =
+            json!({"displacement": [{"expression": "0.01 * (1 - y)"}, 0.0]});
+        value_of_scene["probes"] = json!([{"name": "middle", "at": [0.5, 0.5]}]);
+        let scene = scene(&value_of_scene);
+        let mut simulator = start(&scene);
+        // G gamma^2 / 2
+        let energy = 2.4 * 0.01_f64.powi(2) / 2.0;
+        let factor = (1.0 - 0.5 * k * RATE) / (1.0 + 0.5 * k * RATE);
+        for n in 0..=40 {
+            let decayed = factor.powi(n);
+            for (port, expected) in [
+                ("contact.slip", 0.01 * decayed),
+                ("contact.slip_rate", -RATE * 0.01 * decayed),
+                ("middle.displacement", 0.005 * decayed),
+                ("drag.displacement", 0.005 * decayed),
+                ("energy.elastic", energy * decayed * decayed),
+                (
+                    "energy.viscous_dissipation",
+                    energy * (1.0 - decayed * decayed),
+                ),
+            ] {
+                // differences of the energy that it starts with
+                let rounding = if port.starts_with("energy") {
+                    1e-12 * energy
+                } else {
+                    0.0
+                };
+                let found = value(&simulator, port);
+                assert!(
+                    (found - expected).abs() <= 1e-10 * expected.abs() + rounding,
+                    "{model} {n} {port}: {found:e} {expected:e}"
+                );
+            }
+            assert!(value(&simulator, "energy.balance_error").abs() < 1e-12 * energy);
+            steps(&mut simulator, k, 1);
+        }
+        // a start over, the model from its bytes, and derivatives, which know nothing of a constant
+        let seen = |simulator: &stickslip::Simulator| {
+            let mut all = vec![0.0; simulator.output_len()];
+            simulator.get_outputs(&mut all).expect("outputs");
+            all
+        };
+        let after = seen(&simulator);
+        let bytes = simulator.model().to_bytes();
+        let model = stickslip::Model::from_bytes(&bytes).expect("a model");
+        assert_eq!(model.to_bytes(), bytes);
+        let mut again = stickslip::Simulator::new(model.into());
+        again.init(0.0).expect("a start");
+        steps(&mut again, k, 41);
+        assert_eq!(seen(&again), after);
+        simulator.reset();
+        simulator.init(0.0).expect("a start");
+        steps(&mut simulator, k, 41);
+        assert_eq!(seen(&simulator), after);
+    }
+}
+
+/// Steps are affine in the load: the derivative of a body that starts displaced is the difference of two runs.
+#[test]
+fn derivatives_do_not_see_what_the_body_starts_with() {
+    for model in ["full", "reduced"] {
+        let mut scene_value = column([2, 4], 0.3, frictionless(), 0.05);
+        scene_value["fidelity"]["model"] = json!(model);
+        scene_value["initial"] = json!({"displacement": [{"expression": "0.01 * (1 - y)"}, 0.0]});
+        let scene = scene(&scene_value);
+        let run = |drag: f64| {
+            let mut simulator = start(&scene);
+            simulator.set_inputs(&[drag]).expect("a load");
+            steps(&mut simulator, 0.05, 1);
+            simulator
+        };
+        let (mut low, high) = (run(0.3), run(0.5));
+        let outputs = |simulator: &stickslip::Simulator| {
+            let mut all = vec![0.0; simulator.output_len()];
+            simulator.get_outputs(&mut all).expect("outputs");
+            all
+        };
+        let mut derivative = vec![0.0; low.output_len()];
+        low.directional_derivative(&[1.0], &mut derivative)
+            .expect("a derivative");
+        let difference: Vec<f64> = outputs(&high)
+            .iter()
+            .zip(&outputs(&low))
+            .map(|(b, a)| (b - a) / 0.2)
+            .collect();
+        let ports: Vec<_> = low.model().ports().outputs().cloned().collect();
+        let mut at = 0;
+        let mut seen = 0;
+        for port in ports {
+            let range = at..at + port.len();
+            at = range.end;
+            // energies are quadratic in the load, the rest is linear
+            if port.name.starts_with("energy") || port.name.starts_with("solver") {
+                continue;
+            }
+            for i in range {
+                assert!(
+                    (derivative[i] - difference[i]).abs() < 1e-11,
+                    "{} {model}",
+                    port.name
+                );
+                seen += usize::from(difference[i] != 0.0);
+            }
+        }
+        assert!(seen > 4);
+        // the mean of the two derivatives is the slope between them, for what is quadratic
+        let mut high = high;
+        let mut other = vec![0.0; low.output_len()];
+        high.directional_derivative(&[1.0], &mut other)
+            .expect("a derivative");
+        let place = |name: &str| {
+            let mut at = 0;
+            for port in low.model().ports().outputs() {
+                if port.name == name {
+                    return at;
+                }
+                at += port.len();
+            }
+            panic!("{name}")
+        };
+        for name in ["energy.elastic", "energy.balance_error"] {
+            let at = place(name);
+            let mean = 0.5 * (derivative[at] + other[at]);
+            assert!(
+                (mean - difference[at]).abs() < 1e-12,
+                "{name}: {mean} {}",
+                difference[at]
+            );
+        }
+        assert!(derivative[place("energy.elastic")].abs() > 1e-4);
+    }
+}
+
 /// `G u'' = -f`, `u(1) = 0`, `u'(0) = 0`: the bottom comes to rest at `f / (2 G)`, `G = two_mu_B / 2`; linear elements give
 /// it exactly at the nodes.
 #[test]

@@ -40,6 +40,10 @@ fn exponents(unit: &str) -> Option<[i32; 4]> {
     let mut sum = [0; 4];
     for (sign, factors) in [1, -1].into_iter().zip(unit.split('/')) {
         for factor in factors.split('.') {
+            // a unit that only divides
+            if factor == "1" && unit != "1" {
+                continue;
+            }
             let name = factor.trim_end_matches(|c: char| c.is_ascii_digit());
             let power = factor[name.len()..].parse().unwrap_or(1);
             let (_, known) = UNITS.iter().find(|(known, _)| *known == name)?;
@@ -260,6 +264,7 @@ mod tests {
         assert_eq!(exponents("Pa.s/m"), Some([1, -2, -1, 0]));
         assert_eq!(exponents("rad/s"), Some([0, 0, -1, 1]));
         assert_eq!(exponents("N.m"), Some([1, 2, -2, 0]));
+        assert_eq!(exponents("1/m"), Some([0, -1, 0, 0]));
         assert_eq!(exponents("1"), None);
         for law in Law::all() {
             for (i, declared) in law.coefficients().enumerate() {

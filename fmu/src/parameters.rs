@@ -339,4 +339,42 @@ mod tests {
             scene.materials[0].elasticity
         );
     }
+
+    /// Elements of lists are parameters of their own, named by their places.
+    #[test]
+    fn lists_of_a_material_have_a_parameter_per_element() {
+        let mut json: Value = serde_json::from_str(paper()).expect("JSON");
+        json["material"]["elasticity"] = serde_json::json!({
+            "law": "orthotropic", "young": [4.0, 1.0, 2.0], "poisson": [0.3, 0.2, 0.4], "shear": [0.4, 0.7, 0.5],
+            "angle_deg": 30.0, "convention": "plane_strain", "gradient": [0.1, 0.2],
+        });
+        json["material"]["viscosity"] = serde_json::json!({
+            "law": "matrix", "matrix": [[0.3, 0.1, 0.0], [0.1, 0.2, 0.0], [0.0, 0.0, 0.1]],
+        });
+        let text = json.to_string();
+        let scene = Scene::from_json(&text, "lists").expect("a valid scene");
+        let parameters = Parameters::of(&scene);
+        let before = parameters.values(&scene);
+        assert!(before.iter().all(|value| value.is_finite()));
+        let place = |path: &str| parameters.place(path).expect("a parameter");
+        assert_eq!(before[place("material.elasticity.poisson[2]")], 0.4);
+        let unit = |path: &str| parameters.all()[place(path)].kind;
+        assert_eq!(unit("material.viscosity.matrix[0][1]"), Kind::Real("Pa.s"));
+        assert_eq!(unit("material.elasticity.shear[0]"), Kind::Real("Pa"));
+        let mut after = before.clone();
+        for (path, value) in [
+            ("material.elasticity.young[1]", 1.5),
+            ("material.elasticity.angle_deg", -20.0),
+            ("material.elasticity.gradient[0]", 0.3),
+            ("material.elasticity.convention", 3.0),
+            ("material.viscosity.matrix[0][1]", 0.05),
+            ("material.viscosity.matrix[1][0]", 0.05),
+        ] {
+            after[place(path)] = value;
+        }
+        let changes = parameters.overrides(&before, &after);
+        let changed = Scene::with_overrides(&text, "lists", &changes).expect("a valid scene");
+        assert_eq!(parameters.values(&changed), after);
+        assert_ne!(changed.material, scene.material);
+    }
 }

@@ -14,6 +14,9 @@
 mod dual;
 mod function;
 mod parse;
+mod place;
+
+pub use place::{PlaceFormula, PlaceProgram, PlaceValue};
 
 use dual::{Dual, Number};
 use function::{BinaryFunction, UnaryFunction};

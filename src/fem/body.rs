@@ -10,6 +10,7 @@ use super::dofs::DofMap;
 use super::driven::Drives;
 use super::forms::Forms;
 use super::foundation;
+use super::initial::{InitialDisplacement, initial_displacement};
 use super::loads::{LoadColumn, ProbeRows, load_columns, probe_rows};
 use super::operators::OperatorPair;
 use super::pieces::refuse_loose_pieces;
@@ -38,6 +39,8 @@ pub struct Body {
     pub drives: Drives,
     /// Velocities of the foundation at the contact components by a unit of each of its motions.
     pub foundation: Vec<Vec<f64>>,
+    /// The displacement that it starts with, where it has one.
+    pub initial: Option<InitialDisplacement>,
     /// Viscosity A and elasticity B in every cell.
     pub forms: Forms,
     /// The strain norm.
@@ -59,8 +62,8 @@ impl Body {
     ///
     /// # Errors
     /// Those of [`Mesh::for_element`]; [`Error::Scene`] for a part the mesh does not have, a contact part that is clamped or whose
-    /// element has no friction, a region without a material, a direction without length, a tangent normal to the contact or a
-    /// probe outside the body; [`Error::Body`] for a cell without positive volume.
+    /// element has no friction, a region without a material, a direction without length, a tangent normal to the contact, a
+    /// probe outside the body or an initial displacement that does not fit what holds it; [`Error::Body`] for a cell without positive volume.
     pub fn assemble_on(scene: &Scene, mesh: Mesh) -> Result<Body> {
         let kind = scene.element.unwrap_or(mesh.element.kind);
         let mesh = mesh.for_element(kind)?;
@@ -98,6 +101,7 @@ impl Body {
         )?;
         let contact = contact_patch(scene, &mesh, &dofs)?;
         Ok(Body {
+            initial: initial_displacement(scene, (&mesh, &dofs), &operators, &contact)?,
             operators,
             foundation: foundation::motions(scene, &contact)?,
             contact,
@@ -132,10 +136,11 @@ impl Body {
         interior_places(&self.mesh, &self.dofs)
     }
 
-    /// The columns of forces: those of the loads, then those of driven parts that are not zero.
+    /// The columns of forces: those of the loads, those of driven parts that are not zero, then that of the initial displacement.
     pub fn force_columns(&self) -> impl Iterator<Item = &Vec<(usize, f64)>> {
         let loads = self.loads.iter().map(|load| &load.entries);
-        loads.chain(self.drives.force_columns())
+        let initial = self.initial.iter().map(|initial| &initial.column);
+        loads.chain(self.drives.force_columns()).chain(initial)
     }
 
     /// `|eps(u)|` in L2 of a field of free components.

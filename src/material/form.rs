@@ -8,6 +8,8 @@ use super::voigt::{self, Voigt};
 use nalgebra::{Matrix3, Vector3, Vector6};
 
 /// A linear map from strains to stresses (Pa, or Pa s), symmetric.
+// a box would be an allocation wherever forms differ from point to point
+#[allow(clippy::large_enum_variant)]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Form {
     /// `lambda tr(eps) I + two_mu eps`.

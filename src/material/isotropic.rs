@@ -3,14 +3,16 @@
 //! Positive on symmetric tensors of dimension n exactly if `d > 0` and `n c + d > 0`.
 
 use super::form::Form;
+use super::variation::Variation;
 use super::{Choice, Law, Parameter, ParameterKind};
+use crate::expression::PlaceFormula;
 use crate::message::number;
 use crate::refusal::{Refusal, Verdict, ensure, json};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// `A tau = mu1 tr(tau) I + mu2 tau`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct IsotropicViscosity {
     /// Coefficient of the trace, Pa s; `dimension * mu1 + mu2` is positive.
@@ -18,10 +20,17 @@ pub struct IsotropicViscosity {
     /// Coefficient of the strain rate, Pa s; positive.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub mu2: f64,
+    /// Slopes g of a factor `1 + g.x` of the law, 1/m, one per dimension; taken at the centroid of every cell. Default: none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub gradient: Vec<f64>,
+    /// A factor of the law, taken at the centroid of every cell; positive. Default: none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "PlaceFormula")]
+    pub factor: Option<PlaceFormula>,
 }
 
 /// `B tau = lambda tr(tau) I + E/(1 + kappa) tau`, with lambda by the convention.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct IsotropicElasticity {
     /// Young's modulus E, Pa; positive.
@@ -32,6 +41,13 @@ pub struct IsotropicElasticity {
     pub poisson: f64,
     /// Coefficient of the trace.
     pub convention: Convention,
+    /// Slopes g of a factor `1 + g.x` of the law, 1/m, one per dimension; taken at the centroid of every cell. Default: none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub gradient: Vec<f64>,
+    /// A factor of the law, taken at the centroid of every cell; positive. Default: none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "PlaceFormula")]
+    pub factor: Option<PlaceFormula>,
 }
 
 /// How lambda follows from Young's modulus E and Poisson's ratio kappa.
@@ -59,32 +75,10 @@ pub(super) const CONVENTIONS: Choice = Choice {
     ],
 };
 
-const fn parameter(key: &'static str, kind: ParameterKind, text: &'static str) -> Parameter {
+fn parameter(key: &str, kind: ParameterKind, text: &'static str) -> Parameter {
+    let key = key.to_owned();
     Parameter { key, kind, text }
 }
-
-const VISCOSITY: [Parameter; 2] = [
-    parameter(
-        "mu1",
-        ParameterKind::Number("Pa.s"),
-        "Viscosity: coefficient of the trace.",
-    ),
-    parameter(
-        "mu2",
-        ParameterKind::Number("Pa.s"),
-        "Viscosity: coefficient of the strain rate.",
-    ),
-];
-
-const ELASTICITY: [Parameter; 3] = [
-    parameter("young", ParameterKind::Number("Pa"), "Young's modulus."),
-    parameter("poisson", ParameterKind::Number("1"), "Poisson's ratio."),
-    parameter(
-        "convention",
-        ParameterKind::Choice(&CONVENTIONS),
-        "How the coefficient of the trace follows from Young's modulus and Poisson's ratio.",
-    ),
-];
 
 /// `c tr(tau) I + d tau`.
 #[derive(Debug, Clone, Copy)]
@@ -120,6 +114,7 @@ impl IsotropicElasticity {
             young,
             poisson,
             convention,
+            ..
         } = *self;
         let lambda = match convention {
             Convention::Kazmi2014 => young * poisson / ((1.0 - poisson) * (1.0 - 2.0 * poisson)),
@@ -140,8 +135,14 @@ fn is_positive(value: f64) -> bool {
 }
 
 impl Law for IsotropicViscosity {
-    fn parameters(&self) -> &'static [Parameter] {
-        &VISCOSITY
+    fn parameters(&self, unit: &'static str) -> Vec<Parameter> {
+        let number = ParameterKind::Number(unit);
+        let mut all = vec![
+            parameter("mu1", number, "Viscosity: coefficient of the trace."),
+            parameter("mu2", number, "Viscosity: coefficient of the strain rate."),
+        ];
+        all.extend(self.variation().parameters());
+        all
     }
 
     fn check(&self, dimension: usize, path: &str) -> Verdict {
@@ -153,17 +154,33 @@ impl Law for IsotropicViscosity {
                 format!("{mu1} ({dimension} mu1 + mu2 = {trace})"),
                 format!("{dimension} mu1 + mu2 finite and > 0: otherwise the body gains energy"),
             )
-        })
+        })?;
+        self.variation().check(dimension, path)
     }
 
     fn form(&self) -> Form {
         self.pair().form()
     }
+
+    fn variation(&self) -> Variation<'_> {
+        Variation {
+            gradient: &self.gradient,
+            factor: self.factor.as_ref(),
+        }
+    }
 }
 
 impl Law for IsotropicElasticity {
-    fn parameters(&self) -> &'static [Parameter] {
-        &ELASTICITY
+    fn parameters(&self, unit: &'static str) -> Vec<Parameter> {
+        let text =
+            "How the coefficient of the trace follows from Young's modulus and Poisson's ratio.";
+        let mut all = vec![
+            parameter("young", ParameterKind::Number(unit), "Young's modulus."),
+            parameter("poisson", ParameterKind::Number("1"), "Poisson's ratio."),
+            parameter("convention", ParameterKind::Choice(&CONVENTIONS), text),
+        ];
+        all.extend(self.variation().parameters());
+        all
     }
 
     fn check(&self, dimension: usize, path: &str) -> Verdict {
@@ -187,11 +204,19 @@ impl Law for IsotropicElasticity {
             let found = format!("lambda = {lambda}, 2 mu = {two_mu}");
             let allowed = format!("2 mu and {dimension} lambda + 2 mu finite and > 0");
             Refusal::new(path, found, allowed)
-        })
+        })?;
+        self.variation().check(dimension, path)
     }
 
     fn form(&self) -> Form {
         self.pair().form()
+    }
+
+    fn variation(&self) -> Variation<'_> {
+        Variation {
+            gradient: &self.gradient,
+            factor: self.factor.as_ref(),
+        }
     }
 }
 
@@ -204,6 +229,8 @@ mod tests {
             young: 1.0,
             poisson: 0.3,
             convention,
+            gradient: Vec::new(),
+            factor: None,
         };
         law.pair()
     }
@@ -235,20 +262,30 @@ mod tests {
     /// The declarations name the keys of the scene, and the choices its words.
     #[test]
     fn parameters_are_the_keys_of_the_scene() {
-        let viscosity = IsotropicViscosity { mu1: 1.0, mu2: 2.0 };
+        let viscosity = IsotropicViscosity {
+            mu1: 1.0,
+            mu2: 2.0,
+            gradient: vec![0.5, 0.0],
+            factor: None,
+        };
         let elasticity = IsotropicElasticity {
             young: 1.0,
             poisson: 0.3,
             convention: Convention::Kazmi2014,
+            gradient: Vec::new(),
+            factor: None,
         };
         for (json, law) in [
-            (serde_json::to_value(viscosity), &viscosity as &dyn Law),
-            (serde_json::to_value(elasticity), &elasticity),
+            (serde_json::to_value(&viscosity), &viscosity as &dyn Law),
+            (serde_json::to_value(&elasticity), &elasticity),
         ] {
             let json = json.unwrap();
             let keys: Vec<_> = json.as_object().unwrap().keys().cloned().collect();
-            let mut declared: Vec<_> = law.parameters().iter().map(|p| p.key).collect();
+            let declared = law.parameters("Pa").into_iter();
+            let key = |p: Parameter| p.key.split('[').next().unwrap_or_default().to_owned();
+            let mut declared: Vec<String> = declared.map(key).collect();
             declared.sort_unstable();
+            declared.dedup();
             assert_eq!(keys, declared);
         }
         for word in CONVENTIONS.words {

@@ -66,6 +66,22 @@ pub fn isotropic(lambda: f64, two_mu: f64) -> Voigt {
     })
 }
 
+/// The matrix in global axes of one in the axes whose directions are the rows of `axes`, which are orthonormal.
+pub fn turned(matrix: &Voigt, axes: &Matrix3<f64>) -> Voigt {
+    // strains in the axes from those in global ones
+    let mut to_axes = Voigt::zeros();
+    for (column, [p, q]) in COMPONENTS.into_iter().enumerate() {
+        let mut unit = Matrix3::zeros();
+        let value = if p == q { 1.0 } else { 0.5 };
+        unit[(p, q)] = value;
+        unit[(q, p)] = value;
+        let there = axes * unit * axes.transpose();
+        to_axes.set_column(column, &engineering(&there));
+    }
+    let turned = to_axes.transpose() * matrix * to_axes;
+    (turned + turned.transpose()) / 2.0
+}
+
 /// The matrix in the Frobenius metric, on the components of a dimension.
 fn metric(d: &Voigt, dimension: usize) -> DMatrix<f64> {
     let of = components(dimension);
@@ -115,6 +131,21 @@ pub(super) fn rates(a: &Voigt, b: &Voigt, dimension: usize) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::Rotation3;
+
+    /// A turned matrix gives the stress that the fourth-order tensor gives: turn the strain, apply, turn the stress back.
+    #[test]
+    fn a_turned_matrix_is_the_turned_tensor() {
+        let any =
+            Voigt::from_fn(|i, j| ((i + 1) * (j + 1)) as f64 + if i == j { 30.0 } else { 0.0 });
+        let axes = *Rotation3::from_euler_angles(0.4, -0.8, 1.3).matrix();
+        let found = turned(&any, &axes);
+        let strain = Matrix3::new(0.3, -0.2, 0.5, -0.2, 0.1, 0.4, 0.5, 0.4, -0.8);
+        let there = axes * strain * axes.transpose();
+        let stress = axes.transpose() * tensor(&(any * engineering(&there))) * axes;
+        let difference = tensor(&(found * engineering(&strain))) - stress;
+        assert!(difference.amax() < 1e-13 * stress.amax());
+    }
 
     #[test]
     fn eigenvalues_are_those_in_the_frobenius_metric() {

@@ -8,6 +8,7 @@ use super::certificate::{Certificate, CoulombConstants};
 use super::motions::Motions;
 use super::parts::Parts;
 use super::selection::Selection;
+use super::start::InitialState;
 use super::{BodyModel, Model, ReductionRecord, ensure_available};
 use crate::body::condensed::Condensed;
 use crate::body::field::Field;
@@ -24,7 +25,7 @@ use xxhash_rust::xxh3::xxh3_64;
 const FRAME: Frame = Frame {
     magic: *b"SLIPMODL",
     // also to be raised when states or steps of models with equal bytes are no longer interchangeable
-    format: 5,
+    format: 6,
     what: "compiled model",
 };
 
@@ -125,6 +126,7 @@ impl Model {
         }
         out.floats(&self.measures);
         write_contact(&self.contact, out);
+        InitialState::write(self.initial.as_ref(), out);
         self.motions.write(out);
         self.body.write(out);
     }
@@ -182,9 +184,18 @@ fn read_parts(from: &mut Reader, scene: &Scene) -> Result<Parts> {
     }
     let contact = read_contact(from, scene, dimension - 1)?;
     let contact_len = contact.force_len();
-    let motions = Motions::read(from, scene, contact_len, dimension)?;
+    let of_contact = (contact.node_count(), contact.components);
+    let initial = InitialState::read(from, of_contact, contact.has_normal)?;
+    let sizes = (contact_len, dimension);
+    let motions = Motions::read(from, scene, sizes, initial.is_some())?;
     let loads = motions.force_count();
     let outputs = loads + scene.probes.len() * dimension;
+    if initial
+        .as_ref()
+        .is_some_and(|initial| !initial.fits(outputs))
+    {
+        return Err(Reader::refusal("compiled model: initial displacement"));
+    }
     let has_strain = strain_weights.is_none();
     let mut field = || Field::read(from, free_dofs, contact_len, loads, outputs, has_strain);
     let body: Arc<dyn BodyModel> = match kind {
@@ -206,6 +217,7 @@ fn read_parts(from: &mut Reader, scene: &Scene) -> Result<Parts> {
         contact,
         measures,
         motions,
+        initial,
         certificate: Certificate {
             c0_squared,
             l_g,

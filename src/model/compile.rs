@@ -6,6 +6,7 @@ use super::memory::{Sizes, ensure_available};
 use super::motions::Motions;
 use super::parts::Parts;
 use super::selection::Selection;
+use super::start::InitialState;
 use crate::body::BodyModel;
 use crate::body::condensed::Condensed;
 use crate::body::digits::Ends;
@@ -148,9 +149,12 @@ impl Compilation {
     /// # Errors
     /// Those of [`Compilation::field`].
     pub fn nodal_displacement(&self, state: &State) -> Result<Vec<[f64; 3]>> {
-        self.nodal(state.displacement(), |drive| {
-            state.drive_displacement[drive]
-        })
+        let mut field = self.field(state.displacement())?;
+        if let Some(initial) = &self.body.initial {
+            let start = initial.field.iter();
+            field.iter_mut().zip(start).for_each(|(u, u0)| *u += u0);
+        }
+        Ok(self.nodal(field, |drive| state.drive_displacement[drive]))
     }
 
     /// Velocities of all nodes in a state, m/s, as [`Compilation::nodal_displacement`].
@@ -158,13 +162,13 @@ impl Compilation {
     /// # Errors
     /// Those of [`Compilation::field`].
     pub fn nodal_velocity(&self, state: &State) -> Result<Vec<[f64; 3]>> {
-        self.nodal(state.velocity(), |drive| {
-            state.main.instant.drive_velocity[drive]
-        })
+        let field = self.field(state.velocity())?;
+        let velocities = &state.main.instant.drive_velocity;
+        Ok(self.nodal(field, |drive| velocities[drive]))
     }
 
-    fn nodal(&self, states: &[f64], drive: impl Fn(usize) -> f64) -> Result<Vec<[f64; 3]>> {
-        let mut field = self.field(states)?;
+    /// Vectors at all nodes of a field of free components and of the motions of driven parts.
+    fn nodal(&self, mut field: Vec<f64>, drive: impl Fn(usize) -> f64) -> Vec<[f64; 3]> {
         let drives = &self.body.drives;
         for (i, shape) in drives.shapes.iter().enumerate() {
             let by = drive(i);
@@ -181,11 +185,11 @@ impl Compilation {
                 }
             }
         }
-        Ok(nodal)
+        nodal
     }
 
     /// Values at the free dofs of a displacement or velocity of the body (`State::displacement`, `State::velocity`), without what
-    /// driven parts add to it.
+    /// driven parts add to it, and without what the body starts with ([`Body::initial`]).
     ///
     /// # Errors
     /// [`Error::NotPositiveDefinite`]; not for a body that could be compiled.
@@ -238,6 +242,7 @@ fn finish(
         contact: body.contact.clone(),
         measures: body.loads.iter().map(|l| l.measure).collect(),
         motions: Motions::of(scene, body),
+        initial: InitialState::of(body),
         certificate,
         strain_weights: match body.strain {
             StrainNorm::Combination(x, y) => Some((x, y)),

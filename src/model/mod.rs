@@ -8,6 +8,7 @@ pub(crate) mod motions;
 mod parts;
 mod selection;
 mod settings;
+mod start;
 
 pub use crate::body::BodyModel;
 pub use crate::body::reduction::ReductionRecord;
@@ -25,6 +26,7 @@ use crate::scene::{Condition, Interpolation, ModelKind, Scene, Start};
 use crate::time::scheme::Tableau;
 use certificate::Certificate;
 use motions::Motions;
+use start::InitialState;
 use std::sync::Arc;
 
 /// How the friction problem of a stage is solved.
@@ -98,6 +100,7 @@ pub struct Model {
     interpolations: Vec<Interpolation>,
     probes: usize,
     motions: Motions,
+    initial: Option<InitialState>,
     ports: Ports,
     friction: ChosenLaw,
     tableau: Tableau,
@@ -245,6 +248,11 @@ impl Model {
 
     pub(crate) fn motions(&self) -> &Motions {
         &self.motions
+    }
+
+    /// The initial displacement, where there is one.
+    pub(crate) fn initial(&self) -> Option<&InitialState> {
+        self.initial.as_ref()
     }
 
     /// The normal condition.

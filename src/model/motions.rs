@@ -35,6 +35,8 @@ pub(crate) struct Motions {
     viscosity: Vec<f64>,
     elasticity: Vec<f64>,
     pub foundation: Vec<FoundationMotion>,
+    /// Whether the last column of forces is that of the initial displacement, with a constant intensity.
+    has_initial: bool,
 }
 
 impl Motions {
@@ -53,6 +55,7 @@ impl Motions {
         let owned = columns.into_iter().cloned().collect();
         let foundation = body.foundation.clone();
         let mut motions = Motions::build(scene, &is_zero, owned, foundation);
+        motions.has_initial = body.initial.is_some();
         motions.viscosity.clone_from(&drives.viscosity);
         motions.elasticity.clone_from(&drives.elasticity);
         motions
@@ -92,6 +95,7 @@ impl Motions {
             drives,
             viscosity: Vec::new(),
             elasticity: Vec::new(),
+            has_initial: false,
             foundation: scene
                 .contact
                 .foundation
@@ -117,10 +121,15 @@ impl Motions {
         self.loads + self.drives.len() + self.foundation.len()
     }
 
-    /// Columns of forces of the body: the loads and the drives that do not move it as a whole.
+    /// Columns of forces of the body: the loads, the drives that do not move it as a whole, the initial displacement.
     pub fn force_count(&self) -> usize {
         let columns = self.drives.iter().filter(|drive| drive.column.is_some());
-        self.loads + columns.count()
+        self.loads + columns.count() + usize::from(self.has_initial)
+    }
+
+    /// The column of the initial displacement, whose intensity is 1.
+    pub fn initial_column(&self) -> Option<usize> {
+        self.has_initial.then(|| self.force_count() - 1)
     }
 
     /// The input of a drive.
@@ -146,7 +155,7 @@ impl Motions {
         self.loads + self.drives.len() + motion
     }
 
-    /// Intensities of the columns of forces from the inputs.
+    /// Intensities of the columns of forces from the inputs; that of the initial displacement is no input.
     pub fn forces(&self, inputs: &[f64], out: &mut [f64]) {
         out[..self.loads].copy_from_slice(&inputs[..self.loads]);
         for (i, drive) in self.drives.iter().enumerate() {
@@ -275,15 +284,15 @@ impl Motions {
             .for_each(|motion| out.floats(&motion.on_contact));
     }
 
-    /// Reads what [`Motions::write`] wrote, for a contact of so many components.
+    /// Reads what [`Motions::write`] wrote, for a contact of so many components, with an initial displacement or without.
     ///
     /// # Errors
     /// [`crate::Error::Bytes`].
     pub fn read(
         from: &mut Reader,
         scene: &Scene,
-        contact: usize,
-        dimension: usize,
+        (contact, dimension): (usize, usize),
+        has_initial: bool,
     ) -> Result<Motions> {
         let refusal =
             || Reader::refusal("compiled model: motions of driven parts or of the foundation");
@@ -315,6 +324,7 @@ impl Motions {
         }
         let mut motions = Motions::build(scene, &is_zero, seen, foundation);
         (motions.viscosity, motions.elasticity) = (viscosity, elasticity);
+        motions.has_initial = has_initial;
         Ok(motions)
     }
 }

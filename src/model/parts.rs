@@ -4,6 +4,7 @@
 use super::certificate::Certificate;
 use super::motions::Motions;
 use super::selection::Selection;
+use super::start::InitialState;
 use super::{BodyModel, Model, ReductionRecord, SolverSettings, Summary};
 use crate::body::digits::can_lose_in_steps;
 use crate::contact::law::ChosenLaw;
@@ -29,6 +30,7 @@ pub(super) struct Parts {
     /// Area or volume of every load.
     pub measures: Vec<f64>,
     pub motions: Motions,
+    pub initial: Option<InitialState>,
     pub certificate: Certificate,
     pub strain_weights: Option<(f64, f64)>,
     pub dimension: usize,
@@ -60,6 +62,7 @@ impl Model {
             interpolations: interpolations(scene, &parts.motions),
             measures: parts.measures,
             motions: parts.motions,
+            initial: parts.initial,
             probes: scene.probes.len(),
             friction,
             tableau: Tableau::of(scene.scheme()),

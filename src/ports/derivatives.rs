@@ -9,6 +9,8 @@ pub(crate) enum Tangent {
     Linear,
     /// The same but for the gap of the undeformed body, which does not change.
     Gap,
+    /// The same but for the energy that the body starts with, which does not change.
+    Balance,
     /// Counts, indicators and figures of the solver: 0.
     Zero,
     /// That of the largest slip rate, at the node where it is.
@@ -36,7 +38,8 @@ impl Quantity {
             | MeanPressure | LoadDisplacement(_) | LoadVelocity(_) | ProbeDisplacement(_)
             | ProbeVelocity(_) | DriveDisplacement(_) | DriveVelocity(_) | DriveForce(_)
             | FoundationForce(_) | ExternalWork | ElasticEnergy | ViscousDissipation
-            | FrictionDissipation | BalanceError | Coefficient(_) => Tangent::Linear,
+            | FrictionDissipation | Coefficient(_) => Tangent::Linear,
+            BalanceError => Tangent::Balance,
             Stick | Status | StickFraction | OpenFraction | Iterations | Residual | Solutions
             | SolutionGap | ErrorEstimate | LostDigits => Tangent::Zero,
             Gap => Tangent::Gap,

@@ -351,7 +351,7 @@ impl Ports {
                 "energy.balance_error",
                 "J",
                 BalanceError,
-                "External work less the three others: rounding for the trapezoid with a consistent start, the numerical \
+                "External work less the growth of the three others: rounding for the trapezoid with a consistent start, the numerical \
                  dissipation of the scheme otherwise.",
             ),
             (

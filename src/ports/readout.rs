@@ -116,8 +116,9 @@ pub(crate) fn read(model: &Model, state: &State, port: &Port, out: &mut [f64]) {
         Quantity::ViscousDissipation => state.energy[energy::VISCOUS],
         Quantity::FrictionDissipation => state.energy[energy::FRICTION],
         Quantity::BalanceError => {
+            let start = model.initial().map_or(0.0, |initial| initial.energy);
             state.energy[energy::EXTERNAL_WORK]
-                - state.energy[energy::ELASTIC]
+                - (state.energy[energy::ELASTIC] - start)
                 - state.energy[energy::VISCOUS]
                 - state.energy[energy::FRICTION]
         }

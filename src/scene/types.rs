@@ -8,6 +8,7 @@ mod boundary;
 mod condition;
 mod fidelity;
 mod friction;
+mod initial;
 mod motion;
 mod run;
 
@@ -15,13 +16,15 @@ pub use boundary::*;
 pub use condition::*;
 pub use fidelity::*;
 pub use friction::*;
+pub use initial::*;
 pub use motion::*;
 pub use run::*;
 
 pub use crate::element::ElementKind;
+pub use crate::expression::{PlaceFormula, PlaceValue};
 pub use crate::material::{
-    Convention, Elasticity, IsotropicElasticity, IsotropicViscosity, Material, RegionMaterial,
-    Viscosity,
+    Convention, Elasticity, IsotropicElasticity, IsotropicViscosity, Material, MatrixLaw,
+    Orthotropic, RegionMaterial, Viscosity,
 };
 pub use crate::mesh::{Axis, BoxMesh, GmshMesh, Grid, MeshSpec, Rectangle, Refinement, RegionBox};
 
@@ -59,6 +62,9 @@ pub struct Scene {
     /// Parts whose motion is given; each direction is an input of the component. Default: none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub driven: Vec<Driven>,
+    /// What the body starts with. Default: at rest and undeformed.
+    #[serde(default, skip_serializing_if = "Initial::is_default")]
+    pub initial: Initial,
     /// Contact with the foundation.
     pub contact: Contact,
     /// Loads; each is an input of the component. Default: none.

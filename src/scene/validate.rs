@@ -3,12 +3,14 @@
 //! nodes, cells of regions) is said when the body is assembled (`crate::fem`).
 
 mod body;
+mod initial;
 mod motion;
 
 use super::types::*;
 use crate::message::{cut, number};
 use crate::refusal::{Refusal, Verdict, ensure, json};
 use body::{check_clamped, check_contact, check_materials, check_mesh, check_part};
+use initial::check_initial;
 use motion::{check_condition, check_driven, check_foundation};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -29,6 +31,7 @@ pub(super) fn check_in(scene: &Scene, dimension: Option<usize>) -> Verdict {
     check_contact(scene, dimension)?;
     check_foundation(scene, dimension)?;
     check_condition(scene)?;
+    check_initial(scene, dimension)?;
     check_names(scene)?;
     for (i, load) in scene.loads.iter().enumerate() {
         check_load(scene, dimension, load, &format!("loads[{i}]"))?;

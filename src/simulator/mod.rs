@@ -86,7 +86,8 @@ impl Simulator {
         self.state.time
     }
 
-    /// Starts the simulation at `time` with the body undeformed; inputs set before are the loads at that instant.
+    /// Starts the simulation at `time` with the body undeformed, or displaced as `initial.displacement` says; inputs set before are
+    /// the loads at that instant.
     ///
     /// # Errors
     /// [`Error::CallOrder`] when already initialized, [`Error::Value`] for a time that is not finite or for friction
@@ -111,6 +112,9 @@ impl Simulator {
             state.needs_settling = 0;
             input_course::start(model, state);
             state.start_memory(model);
+            if let Some(initial) = model.initial() {
+                initial.apply(state);
+            }
             settle(model, state, ws, input_course::start_approach(model, state))?;
             second::start(model, state);
             control::start(model, state);

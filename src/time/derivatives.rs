@@ -141,6 +141,12 @@ impl Simulator {
                     let gaps = &self.model().contact().gaps;
                     head.iter_mut().zip(gaps).for_each(|(d, gap)| *d -= gap);
                 }
+                PortTangent::Balance => {
+                    readout::read(self.model(), tangent, port, head);
+                    if let Some(initial) = self.model().initial() {
+                        head[0] -= initial.energy;
+                    }
+                }
                 PortTangent::Zero => head.fill(0.0),
                 PortTangent::LargestRate => head[0] = self.tangent_of_largest_rate(tangent),
             }

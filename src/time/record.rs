@@ -121,6 +121,9 @@ pub(crate) fn add_energies(model: &Model, state: &mut State, ws: &mut Workspace,
         let displacement = &state.drive_displacement;
         elastic += motions.elastic_product(displacement, displacement);
     }
+    if let (Some(initial), Some(column)) = (model.initial(), motions.initial_column()) {
+        elastic += 2.0 * (initial.energy - state.output_displacement[column]);
+    }
     state.energy[energy::EXTERNAL_WORK] += k * external;
     state.energy[energy::VISCOUS] += k * viscous;
     state.energy[energy::FRICTION] += k * dot(&mean.instant.reaction, &mean.instant.slip_rate);

@@ -14,6 +14,8 @@ use crate::state::Instant;
 pub(crate) struct Relative {
     /// Intensities of the columns of forces.
     forces: Vec<f64>,
+    /// Intensity of that of the initial displacement: 1, and 0 for a tangent.
+    initial: f64,
     /// The shift; empty where nothing moves.
     shift: Vec<f64>,
     /// S times it, then contact velocities of the body.
@@ -21,7 +23,16 @@ pub(crate) struct Relative {
 }
 
 impl Relative {
+    /// Of the stages of a model.
     pub fn new(model: &Model) -> Relative {
+        Relative {
+            initial: 1.0,
+            ..Relative::of_tangents(model)
+        }
+    }
+
+    /// Of their tangents, whose body starts with nothing.
+    pub fn of_tangents(model: &Model) -> Relative {
         let motions = model.motions();
         let contact = match motions.is_empty() {
             true => 0,
@@ -29,6 +40,7 @@ impl Relative {
         };
         Relative {
             forces: vec![0.0; motions.force_count()],
+            initial: 0.0,
             shift: vec![0.0; contact],
             shifted: vec![0.0; contact],
         }
@@ -46,6 +58,9 @@ impl Relative {
     ) {
         let motions = model.motions();
         motions.forces(inputs, &mut self.forces);
+        if let Some(column) = motions.initial_column() {
+            self.forces[column] = self.initial;
+        }
         model.body().predict(stage, p, &self.forces, load, scratch);
         if self.shift.is_empty() {
             return;

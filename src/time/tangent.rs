@@ -72,7 +72,7 @@ impl Tangents {
             list: seeds.into_iter().map(tangent).collect(),
             condensed_load: vec![0.0; contact],
             sum: vec![0.0; model.states()],
-            relative: Relative::new(model),
+            relative: Relative::of_tangents(model),
             reaction: vec![0.0; contact],
             velocity: vec![0.0; contact],
             force: vec![0.0; contact],

@@ -156,6 +156,9 @@ impl Companion for Tangents {
                 let displacement = [&state.drive_displacement, &t.state.drive_displacement];
                 elastic += motions.elastic_product(displacement[0], displacement[1]);
             }
+            if let Some(column) = motions.initial_column() {
+                elastic -= t.state.output_displacement[column];
+            }
             let moves = &t.state.main.normal_displacement;
             let ends = (ws.approach[1], t.approach[1]);
             elastic += foundation::energy_slope(model, state, ends.0, (moves, ends.1));

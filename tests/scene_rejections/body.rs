@@ -29,6 +29,47 @@ fn materials_across_values() {
     );
 }
 
+/// Laws with directions: the condition that is violated is named.
+#[test]
+#[rustfmt::skip] // one row, one mistake
+fn anisotropic_materials() {
+    let isotropic = r#"{"law": "isotropic", "young": 1.0, "poisson": 0.3, "convention": "kazmi2014"}"#;
+    let law = |young: &str, poisson: &str, more: &str| format!(
+        r#"{{"law": "orthotropic", "young": {young}, "poisson": {poisson}, "shear": [1, 1, 1]{more}}}"#
+    );
+    let good = r#", "convention": "plane_strain""#;
+    let matrix = |rows: &str| format!(r#"{{"law": "matrix", "matrix": {rows}}}"#);
+    assert_edits_refused(
+        "kazmi2014",
+        &[
+            (isotropic, &law("[1, 1]", "[0, 0, 0]", good), "material.elasticity.young", "[1,1]", "an array of 3"),
+            (isotropic, &law("[1, 0, 1]", "[0, 0, 0]", good), "material.elasticity.young[1]", "0", "> 0"),
+            (isotropic, &law("[4, 1, 1]", "[2.5, 0, 0]", good), "material.elasticity.poisson[0]", "2.5", "sqrt(E1/E2) = 2"),
+            (isotropic, &law("[1, 1, 1]", "[0.6, 0.6, 0.6]", good), "material.elasticity.poisson", "= -0.5", "2 nu21 nu32 nu13 > 0"),
+            (isotropic, &law("[1, 1, 1]", "[0, 0, 0]", ""), "material.elasticity.convention", "nothing", r#""plane_strain", "plane_stress""#),
+            (isotropic, &law("[1, 1, 1]", "[0, 0, 0]", r#", "axes": [[1,0,0],[0,1,0],[0,0,1]]"#), "material.elasticity.axes", "2 dimensions", "angle_deg"),
+            (isotropic, &matrix("[[1, 0], [0, 1]]"), "material.elasticity.matrix", "[2, 2]", "3 rows of 3 numbers"),
+            (isotropic, &matrix("[[1, 2, 0], [2, 1, 0], [0, 0, 1]]"), "material.elasticity.matrix", "smallest eigenvalue of -", "positive"),
+            (isotropic, &matrix("[[1, 0, 0], [0.1, 1, 0], [0, 0, 1]]"), "material.elasticity.matrix[1][0]", "0.1 and 0", "symmetric"),
+            (r#""mu2": 0.1"#, r#""mu2": 0.1, "gradient": [1]"#, "material.viscosity.gradient", "1 numbers", "2 numbers"),
+            (r#""mu2": 0.1"#, r#""mu2": 0.1, "factor": {"expression": "1 + q"}"#, "material.viscosity.factor.expression", "character 5", "x"),
+            (r#""mu2": 0.1"#, r#""mu2": 0.1, "factor": 2"#, "material.viscosity.factor", "2", "expression"),
+        ],
+    );
+    let solid = |more: &str| format!(
+        r#"{{"law": "orthotropic", "young": [1, 1, 1], "poisson": [0, 0, 0], "shear": [1, 1, 1]{more}}}"#
+    );
+    let isotropic = r#"{"law": "isotropic", "young": 5e6, "poisson": 0.3, "convention": "three_dimensional"}"#;
+    assert_edits_refused(
+        "brake_pad_3d",
+        &[
+            (isotropic, &solid(r#", "angle_deg": 3"#), "material.elasticity.angle_deg", "3 dimensions", "axes"),
+            (isotropic, &solid(r#", "convention": "plane_strain""#), "material.elasticity.convention", "plane_strain", "three_dimensional"),
+            (isotropic, &solid(r#", "axes": [[1,0,0],[0,1,0.1],[0,0,1]]"#), "material.elasticity.axes", "off by 1", "orthonormal"),
+        ],
+    );
+}
+
 #[test]
 #[rustfmt::skip] // one row, one mistake
 fn meshes_and_parts() {
@@ -114,6 +155,8 @@ fn what_the_mesh_shows() {
     let cells = r#""cells": [32, 16]"#;
     let low = r#"{"name": "low", "from": [0, 0], "to": [1, 0.25]}"#;
     let both = r#"["left", "right"]"#;
+    let contact = r#""contact": "#;
+    let initial = |u: &str| format!(r#""initial": {{"displacement": {u}}}, "contact": "#);
     for (name, edits, path, found, allowed) in [
         ("kazmi2014", vec![(r#"["left"]"#, both.to_owned()), (cells, r#""cells": [1, 16]"#.to_owned())], "clamped", "left", "leave nodes of contact.part free"),
         ("kazmi2014", vec![(bottom, tangent("[0, -2]"))], "contact.tangent", "-2.0", "not normal to the contact"),
@@ -121,6 +164,11 @@ fn what_the_mesh_shows() {
         ("kazmi2014", vec![("[1.0, 0.0]", "[1.0, -0.1]".to_owned())], "probes[0].at", "-0.1", "a point of the body"),
         ("kazmi2014", vec![(cells, regions(&format!(r#"{low}, {{"name": "thin", "from": [0, 0.3], "to": [1, 0.301]}}"#)))], "mesh.regions[1]", "a box without cells", "centroid"),
         ("kazmi2014", vec![(cells, regions(&format!(r#"{low}, {{"name": "left", "from": [0, 0], "to": [0.5, 0.5]}}"#)))], "mesh.regions[1]", "mesh.regions[0]", "without common cells"),
+        ("kazmi2014", vec![(r#""mu2": 0.1"#, r#""mu2": 0.1, "gradient": [-1.5, 0]"#.to_owned())], "material.viscosity.gradient", "-0.0", "every cell"),
+        ("kazmi2014", vec![(r#""mu2": 0.1"#, r#""mu2": 0.1, "factor": {"expression": "y - 0.1"}"#.to_owned())], "material.viscosity.factor.expression", " at [", "every cell"),
+        ("kazmi2014", vec![(contact, initial(r#"[{"expression": "0.1 + x"}, 0]"#))], "initial.displacement", "[0.1, 0.0] at the clamped, driven or held node [0.0, ", "0 where"),
+        ("kazmi2014", vec![(contact, initial(r#"[0, {"expression": "x"}]"#))], "initial.displacement", "at the contact node [0.03125, 0.0]", "along the foundation"),
+        ("kazmi2014", vec![(contact, initial(r#"[{"expression": "1/x"}, 0]"#))], "initial.displacement[0]", "inf at [0.0, 0.0]", "finite"),
         ("brake_pad_3d", vec![(r#""tangent": [1, 0, 0]"#, r#""tangent": [1e-12, 1, 0]"#.to_owned())], "contact.tangent", "1.0", "not normal to the contact"),
         ("brake_pad_3d", vec![("[0.0, 0.0, 0.02]", "[0.0, 0.0, 0.2]".to_owned())], "probes[0].at", "0.2", "a point of the body"),
     ] {
