@@ -94,6 +94,8 @@ impl Course {
 /// What a course took.
 struct Effort {
     newton: f64,
+    /// Most Newton steps of a step but the first, which starts from nothing.
+    most: u64,
     factorizations: f64,
 }
 
@@ -120,7 +122,9 @@ fn run(
         let before = solver.ws.work().newton;
         let reached = solver.solve(&course.case, &mut course.found);
         assert!(reached.converged, "{label}, step {step}: {reached:?}");
-        most = most.max(solver.ws.work().newton - before);
+        if step > 0 {
+            most = most.max(solver.ws.work().newton - before);
+        }
         worst = worst.max(violation(&course.case, &course.found));
         let Found {
             velocity, force, ..
@@ -151,30 +155,29 @@ fn run(
     }
     Effort {
         newton: mean(work.newton),
+        most,
         factorizations: mean(work.factorizations),
     }
 }
 
 const BODIES: [&[usize]; 4] = [&[8, 4], &[16, 8], &[32, 16], &[4, 4, 2]];
 
-/// Constant friction: the statuses of a few nodes change in a step, and without changes the factor of the last step serves.
+/// Constant friction: fronts between stick and slip, and the edges of open parts, move over some nodes in a step. Few steps take
+/// more than a border of the factor that is there.
 #[test]
 fn constant_friction_takes_few_iterations() {
-    for cells in BODIES {
+    let plane: &[&[usize]] = &[&[8, 4], &[16, 8], &[32, 16], &[64, 32]];
+    for (cells, limits) in plane
+        .iter()
+        .map(|cells| (*cells, [2.9, 7.0, 0.6]))
+        .chain([(&[4, 4, 2][..], [8.0, 11.0, 1.5])])
+    {
         for mu in [0.3, 1.0] {
             for condition in [NormalCondition::Bilateral, NormalCondition::Unilateral] {
                 let effort = run(cells, Coefficient::Constant(mu), condition, 96);
-                let (newton, factorizations) = if cells.len() == 2 {
-                    (3.0, 2.0)
-                } else {
-                    (8.0, 4.0)
-                };
-                assert!(effort.newton < newton, "{}", effort.newton);
-                assert!(
-                    effort.factorizations < factorizations,
-                    "{}",
-                    effort.factorizations
-                );
+                let found = [effort.newton, effort.most as f64, effort.factorizations];
+                let is_within = found.iter().zip(&limits).all(|(a, b)| a <= b);
+                assert!(is_within, "{cells:?} {mu} {condition:?}: {found:?}");
             }
         }
     }

@@ -38,36 +38,33 @@ impl Direction {
         }
     }
 
-    /// The step of `point` with the factor of a matrix near the one there; the unknowns are the same.
-    pub fn find(&mut self, problem: &PressedProblem, point: &Point, factor: &Factor) {
+    /// The step of `point` with the factor of the matrix there, or of one with other slopes.
+    pub fn find(&mut self, problem: &PressedProblem, point: &Point, factor: &mut Factor) {
         self.solves += 1;
         let c = problem.components;
-        let solution = &mut self.solution[..factor.lu.padded_order()];
-        solution[factor.unknowns.len()..].fill(0.0);
-        for (value, &(node, kind)) in solution.iter_mut().zip(&factor.unknowns) {
-            let entries = entries_of(c, &point.nodes[node]);
-            *value = -reduce(
-                problem,
-                Entries::new(&entries),
-                node,
-                kind,
-                &point.imbalance,
-            );
-        }
-        if !solution.is_empty() {
-            factor.lu.solve(solution);
-        }
-        self.dv.fill(0.0);
-        self.df.fill(0.0);
-        for (value, &(node, kind)) in solution.iter().zip(&factor.unknowns) {
+        let Direction {
+            dv, df, solution, ..
+        } = self;
+        dv.fill(0.0);
+        df.fill(0.0);
+        let right = |node: usize, kind: Unknown| {
             let entries = entries_of(c, &point.nodes[node]);
             let entries = Entries::new(&entries);
+            -reduce(problem, entries, node, kind, &point.imbalance)
+        };
+        factor.solve(solution, right, |node, kind, value| {
+            let entries = entries_of(c, &point.nodes[node]);
+            let entries = Entries::new(&entries);
+            // what is not unknown any more does not change
+            if !entries.has(c, kind) {
+                return;
+            }
             let first = problem.at(node).start;
             match (kind, c) {
-                (Unknown::Normal, _) => self.dv[first + c] = *value,
+                (Unknown::Normal, _) => dv[first + c] = value,
                 (_, 1) => {
-                    self.dv[first] = *value;
-                    self.df[first] = entries.by_rate() * value;
+                    dv[first] = value;
+                    df[first] = entries.by_rate() * value;
                 }
                 (kind, _) => {
                     let [x, y] = entries.direction();
@@ -75,13 +72,13 @@ impl Direction {
                         Unknown::Across => ([-y, x], entries.turn()),
                         _ => ([x, y], [1.0, entries.by_rate()]),
                     };
-                    self.dv[first] += velocity * value * x;
-                    self.dv[first + 1] += velocity * value * y;
-                    self.df[first] += force * value * x;
-                    self.df[first + 1] += force * value * y;
+                    dv[first] += velocity * value * x;
+                    dv[first + 1] += velocity * value * y;
+                    df[first] += force * value * x;
+                    df[first + 1] += force * value * y;
                 }
             }
-        }
+        });
         multiply(problem.s, &self.dv, &mut self.forces);
         for node in 0..problem.nodes() {
             self.find_forces(problem, point, node);

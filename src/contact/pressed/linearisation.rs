@@ -3,8 +3,10 @@
 //! The matrix depends on S and on what the nodes do: whether they slip, whether their normal velocity may change, and the slopes
 //! of their laws. These numbers are the point of linearisation. It is part of the state of a simulation, because the steps
 //! taken with an older factor, and so the last bits of the result, depend on it. The factor is only a cache, keyed by the bits
-//! of the point: whoever continues from a restored point factors anew, to the same bits.
+//! of the point: whoever continues from a restored point factors anew, to the same bits. Where a few nodes do something else
+//! than at the point, the factor gets a border (see `border`) and the point stays.
 
+use super::border::{Border, Inner, Place, count_changes, largest};
 use super::node::Node;
 use super::problem::PressedProblem;
 use crate::linalg::DenseLu;
@@ -94,28 +96,43 @@ impl<'a> PressedPoint<'a> {
         }
     }
 
-    /// Moves to what the nodes do now.
-    pub(super) fn set(&mut self, components: usize, nodes: &[Node]) {
+    /// Moves to what the nodes do now; false where it is there.
+    pub(super) fn set(&mut self, components: usize, nodes: &[Node]) -> bool {
         let len = node_len(components);
+        let mut has_moved = false;
         for (entries, node) in self.nodes.chunks_exact_mut(len).zip(nodes) {
-            entries.copy_from_slice(&entries_of(components, node)[..len]);
+            let now = entries_of(components, node);
+            has_moved |= !is_same(entries, &now[..len]);
+            entries.copy_from_slice(&now[..len]);
         }
+        has_moved
     }
 
-    /// How these nodes differ from the point.
-    pub(super) fn compare(&self, components: usize, nodes: &[Node]) -> Difference {
+    /// How far these nodes are from the point.
+    pub(super) fn compare(&self, components: usize, nodes: &[Node]) -> Distance {
         let len = node_len(components);
-        let mut difference = Difference::None;
+        let (mut order, mut statuses, mut all) = (0, 0, 0);
         for (entries, node) in self.nodes.chunks_exact(len).zip(nodes) {
-            let now = &entries_of(components, node)[..len];
-            if now[0].to_bits() != entries[0].to_bits() {
-                return Difference::Status;
+            let old = Entries::new(entries);
+            if old.is_unknown() {
+                return Distance::Far;
             }
-            if !is_same(now, entries) {
-                difference = Difference::Slopes;
+            order += old.count(components);
+            let now = &entries_of(components, node)[..len];
+            if is_same(now, entries) {
+                continue;
+            }
+            let changes = count_changes(components, old, Entries::new(now));
+            all += changes;
+            if !old.has_same_status(Entries::new(now)) {
+                statuses += changes;
             }
         }
-        difference
+        match largest(order) {
+            most if all <= most => Distance::Bordered,
+            most if statuses <= most => Distance::Slopes,
+            _ => Distance::Far,
+        }
     }
 
     fn is_at(&self, factor: &Factor) -> bool {
@@ -123,13 +140,23 @@ impl<'a> PressedPoint<'a> {
     }
 }
 
-/// How nodes differ from those of a point of linearisation.
+/// How far nodes are from those of a point of linearisation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Difference {
-    None,
-    /// The same nodes slip and are free, with other slopes.
+pub(super) enum Distance {
+    /// A border makes the factor that of the matrix at these nodes.
+    Bordered,
+    /// A border does so but for the slopes of laws.
     Slopes,
-    Status,
+    /// Too much is different.
+    Far,
+}
+
+/// What of the nodes a factor is to follow.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Following {
+    All,
+    /// Those that do something else; the others keep the slopes of the point.
+    Statuses,
 }
 
 fn is_same(a: &[f64], b: &[f64]) -> bool {
@@ -200,6 +227,36 @@ impl<'a> Entries<'a> {
         [self.0[6], self.0[7]]
     }
 
+    pub fn is_unknown(self) -> bool {
+        self.0[0] == UNKNOWN
+    }
+
+    pub fn has_same_status(self, other: Entries) -> bool {
+        self.0[0] == other.0[0]
+    }
+
+    /// Whether the node has such an unknown.
+    pub fn has(self, components: usize, kind: Unknown) -> bool {
+        match kind {
+            Unknown::Along => self.slips(),
+            Unknown::Across => components == 2 && self.slips(),
+            Unknown::Normal => self.is_free(),
+        }
+    }
+
+    /// Unknowns of the node.
+    fn count(self, components: usize) -> usize {
+        components * usize::from(self.slips()) + usize::from(self.is_free())
+    }
+
+    /// Whether the row of an unknown that both have is the same.
+    pub fn has_same_row(self, other: Entries, kind: Unknown) -> bool {
+        match kind {
+            Unknown::Normal => self.fall().to_bits() == other.fall().to_bits(),
+            _ => is_same(&self.0[1..3], &other.0[1..3]) && is_same(&self.0[4..], &other.0[4..]),
+        }
+    }
+
     fn is_plausible(self) -> bool {
         let is_status = [0.0, 1.0, 2.0, 3.0].contains(&self.0[0]);
         self.0.iter().all(|v| *v == UNKNOWN) || (is_status && self.0.iter().all(|v| v.is_finite()))
@@ -222,8 +279,9 @@ pub(super) struct Factor {
     key: [f64; 2],
     nodes: Vec<f64>,
     /// Node and kind of every unknown and row.
-    pub unknowns: Vec<(usize, Unknown)>,
-    pub lu: DenseLu,
+    unknowns: Vec<(usize, Unknown)>,
+    lu: DenseLu,
+    border: Border,
     column: Vec<f64>,
     last_use: u64,
 }
@@ -237,6 +295,7 @@ impl Factor {
             nodes: vec![UNKNOWN; nodes * node_len(components)],
             unknowns: Vec::with_capacity(len),
             lu: DenseLu::new(len),
+            border: Border::new(len, nodes * node_len(components)),
             column: vec![0.0; len],
             last_use: 0,
         }
@@ -244,6 +303,7 @@ impl Factor {
 
     fn make(&mut self, problem: &PressedProblem, point: &PressedPoint) -> bool {
         self.is_made = false;
+        self.border.clear();
         self.key = point.key;
         self.nodes.copy_from_slice(point.nodes);
         let c = problem.components;
@@ -251,16 +311,9 @@ impl Factor {
         let at = |node: usize| Entries::new(&point.nodes[node * len..][..len]);
         self.unknowns.clear();
         for node in 0..problem.nodes() {
-            let entries = at(node);
-            if entries.slips() {
-                self.unknowns.push((node, Unknown::Along));
-                if c == 2 {
-                    self.unknowns.push((node, Unknown::Across));
-                }
-            }
-            if entries.is_free() {
-                self.unknowns.push((node, Unknown::Normal));
-            }
+            let kinds = [Unknown::Along, Unknown::Across, Unknown::Normal];
+            let own = kinds.iter().filter(|kind| at(node).has(c, **kind));
+            self.unknowns.extend(own.map(|kind| (node, *kind)));
         }
         let (unknowns, forces) = (&self.unknowns, &mut self.column);
         self.is_made = self.lu.factor(unknowns.len(), |j, column| {
@@ -276,10 +329,71 @@ impl Factor {
         });
         self.is_made
     }
+
+    /// Makes the border for what the nodes do now; false where the matrix is singular.
+    fn follow(&mut self, problem: &PressedProblem, nodes: &[Node], what: Following) -> bool {
+        let inner = Inner {
+            lu: &self.lu,
+            unknowns: &self.unknowns,
+            nodes: &self.nodes,
+        };
+        let len = node_len(problem.components);
+        self.border.make(problem, &inner, |node, entries| {
+            let now = &entries_of(problem.components, &nodes[node])[..len];
+            let old = &inner.nodes[node * len..][..len];
+            let is_kept =
+                what == Following::Statuses && Entries::new(old).has_same_status(Entries::new(now));
+            entries.copy_from_slice(if is_kept { old } else { now });
+        })
+    }
+
+    /// Solves for all unknowns: `right` gives the right-hand side of an unknown, `found` gets its value. `x` is scratch.
+    pub fn solve(
+        &mut self,
+        x: &mut [f64],
+        right: impl Fn(usize, Unknown) -> f64,
+        mut found: impl FnMut(usize, Unknown, f64),
+    ) {
+        let order = self.unknowns.len();
+        let x = &mut x[..self.lu.padded_order()];
+        x[order..].fill(0.0);
+        let has_border = !self.border.places().is_empty();
+        for (i, (value, &(node, kind))) in x.iter_mut().zip(&self.unknowns).enumerate() {
+            let is_dropped = has_border && self.border.drops_row(i);
+            *value = if is_dropped { 0.0 } else { right(node, kind) };
+        }
+        if order > 0 {
+            self.lu.solve(x);
+        }
+        if has_border {
+            for p in 0..self.border.places().len() {
+                let value = match self.border.places()[p] {
+                    Place::Out(_) => 0.0,
+                    Place::Replaced(i) => right(self.unknowns[i].0, self.unknowns[i].1),
+                    Place::In(node, kind) => right(node, kind),
+                };
+                self.border.values()[p] = value;
+            }
+            self.border.solve(x, order);
+            for p in 0..self.border.places().len() {
+                if let Place::In(node, kind) = self.border.places()[p] {
+                    found(node, kind, self.border.values()[p]);
+                }
+            }
+        }
+        for (value, &(node, kind)) in x.iter().zip(&self.unknowns) {
+            found(node, kind, *value);
+        }
+    }
+
+    /// Sign of the determinant of the matrix at the point.
+    pub fn sign(&self) -> f64 {
+        self.lu.sign()
+    }
 }
 
 /// Forces of the body per unit of an unknown.
-fn fill(
+pub(super) fn fill(
     problem: &PressedProblem,
     entries: Entries,
     node: usize,
@@ -328,7 +442,7 @@ pub(super) fn reduce(
 }
 
 /// What the law of the node adds on the diagonal.
-fn own(entries: Entries, kind: Unknown, components: usize) -> f64 {
+pub(super) fn own(entries: Entries, kind: Unknown, components: usize) -> f64 {
     match kind {
         Unknown::Normal => entries.fall(),
         Unknown::Across if components == 2 => entries.turn()[1],
@@ -356,8 +470,13 @@ impl FactorCache {
         }
     }
 
-    /// The factor at a point; `None` when the matrix there is singular.
-    pub fn at(&mut self, problem: &PressedProblem, point: &PressedPoint) -> Option<&Factor> {
+    /// The factor at a point, with a border for what the nodes do now; `None` when the matrix is singular.
+    pub fn at(
+        &mut self,
+        problem: &PressedProblem,
+        point: &PressedPoint,
+        (nodes, what): (&[Node], Following),
+    ) -> Option<&mut Factor> {
         self.clock += 1;
         let known = self.factors.iter().position(|f| point.is_at(f));
         let slot = match known {
@@ -377,7 +496,13 @@ impl FactorCache {
                 oldest
             }
         };
-        self.factors[slot].last_use = self.clock;
-        Some(&self.factors[slot])
+        let factor = &mut self.factors[slot];
+        factor.last_use = self.clock;
+        factor.follow(problem, nodes, what).then_some(factor)
+    }
+
+    /// Solves with factors made for borders so far.
+    pub fn border_solves(&self) -> u64 {
+        self.factors.iter().map(|factor| factor.border.solves).sum()
     }
 }

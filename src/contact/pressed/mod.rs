@@ -14,6 +14,7 @@
 //!
 //! After P. Alart and A. Curnier (CMAME 92, 1991) for the equations, S. M. Robinson (Math. Oper. Res. 17, 1992) for the normal map.
 
+mod border;
 mod chain;
 mod direction;
 mod linearisation;

@@ -1,11 +1,15 @@
 //! Newton's method on the normal map: steps in velocities and forces, projected onto the laws of the nodes.
 //!
-//! A step takes the factor kept from an earlier point while the nodes do what they did there. Where their laws have other slopes
-//! by now, it is taken as it is if it contracts well; otherwise the matrix is factored at the present point, and the step is
-//! halved until the imbalance decreases.
+//! A step takes the factor kept from an earlier point, with a border for the few nodes that do something else by now. Where the laws
+//! of many have other slopes, it is taken as it is if it contracts well; otherwise the matrix is factored at the present point,
+//! and the step is halved until the imbalance decreases.
+//!
+//! Where no bound weakens, the first steps of a descent are whole whatever the imbalance: a front between stick and slip, or the
+//! edge of an open part, moves over many nodes at once, and halving would only move it by fewer. If they do not lead to the
+//! solution, the descent goes on from the best of their points.
 
 use super::direction::Direction;
-use super::linearisation::{Difference, FactorCache, PressedPoint};
+use super::linearisation::{Distance, FactorCache, Following, PressedPoint};
 use super::point::{Point, Slopes, raise_slopes, set_slopes};
 use super::problem::PressedProblem;
 use super::residual::{relative_imbalance, residual_beyond_rounding, worst_node};
@@ -20,6 +24,10 @@ const CONTRACTION: f64 = 0.1;
 /// Points among which a step of a patient descent must find one with more imbalance: where a node starts to slip or stops, the
 /// imbalance may have to rise before it falls.
 const MEMORY: usize = 3;
+/// Steps of a descent that are whole whatever the imbalance.
+const BOLD_STEPS: usize = 10;
+/// Bold steps end where the imbalance is this many times the least.
+const TOO_BOLD: f64 = 10.0;
 /// A step that leaves more than this share of the imbalance is slow.
 const SLOW: f64 = 0.5;
 
@@ -32,6 +40,10 @@ pub(super) struct Newton {
     pub cache: FactorCache,
     /// Whether the imbalance may rise for a few steps.
     pub is_patient: bool,
+    /// Whether steps are whole whatever the imbalance.
+    is_bold: bool,
+    /// The point of the least imbalance among those of bold steps.
+    least: Point,
     /// Imbalance of the last points, the latest last.
     past: [f64; MEMORY],
     /// Steps taken so far.
@@ -92,6 +104,8 @@ impl Newton {
             direction: Direction::new(len),
             cache: FactorCache::new(nodes, components),
             is_patient: false,
+            is_bold: false,
+            least: Point::new(nodes, len),
             past: [0.0; MEMORY],
             steps: 0,
         }
@@ -134,7 +148,9 @@ impl Newton {
     ) -> Outcome {
         let mut is_slow = true;
         self.past = [0.0; MEMORY];
+        self.is_bold = !self.is_patient && !problem.can_weaken(&self.accepted.f);
         for step in 0.. {
+            self.end_boldness(step);
             let residual = worst_node(problem, &self.accepted).0;
             if residual <= tolerance {
                 return Outcome::Converged(residual);
@@ -162,6 +178,21 @@ impl Newton {
         Outcome::Stalled
     }
 
+    /// Takes note of the point of a bold step, and goes back to the best one where there were enough of them.
+    fn end_boldness(&mut self, step: usize) {
+        if !self.is_bold {
+            return;
+        }
+        if step == 0 || self.accepted.merit < self.least.merit {
+            self.least.copy_from(&self.accepted);
+        }
+        let is_near = self.accepted.merit <= TOO_BOLD * self.least.merit;
+        if step >= BOLD_STEPS || !is_near {
+            self.accepted.copy_from(&self.least);
+            self.is_bold = false;
+        }
+    }
+
     fn at_rounding(&self, problem: &PressedProblem, tolerance: f64) -> Option<f64> {
         let is_small = relative_imbalance(problem, &self.accepted) <= LARGEST_FLOOR;
         is_small
@@ -171,35 +202,49 @@ impl Newton {
 
     /// One step; false when none decreases the imbalance, or the matrix is singular.
     fn step(&mut self, problem: &PressedProblem, at: &mut PressedPoint) -> bool {
-        let difference = at.compare(problem.components, &self.accepted.nodes);
-        if difference == Difference::Slopes && self.find(problem, at) {
+        let distance = at.compare(problem.components, &self.accepted.nodes);
+        if distance == Distance::Slopes && self.find(problem, at, Following::Statuses) {
             self.advance(problem, 1.0);
             if self.trial.merit <= CONTRACTION * self.accepted.merit {
                 std::mem::swap(&mut self.accepted, &mut self.trial);
                 return true;
             }
         }
-        if difference != Difference::None {
-            at.set(problem.components, &self.accepted.nodes);
+        let most = self.most_imbalance();
+        if distance == Distance::Bordered
+            && self.find(problem, at, Following::All)
+            && self.search(problem, most)
+        {
+            return true;
         }
-        if !self.find(problem, at) {
-            return false;
+        if at.set(problem.components, &self.accepted.nodes) {
+            self.find(problem, at, Following::All) && self.search(problem, most)
+        } else {
+            false
         }
+    }
+
+    /// What the imbalance of the next point must stay below.
+    fn most_imbalance(&mut self) -> f64 {
         self.past.rotate_left(1);
         self.past[MEMORY - 1] = self.accepted.merit;
-        let reference = if self.is_patient {
-            self.past
-                .iter()
-                .fold(0.0, |most: f64, past| most.max(*past))
+        if self.is_bold {
+            f64::MAX
+        } else if self.is_patient {
+            let past = self.past.iter();
+            past.fold(0.0, |most: f64, past| most.max(*past))
         } else {
             self.accepted.merit
-        };
+        }
+    }
+
+    /// Halves the step until the imbalance decreases enough below `most`; false where it does not.
+    fn search(&mut self, problem: &PressedProblem, most: f64) -> bool {
         let mut length = 1.0;
         for _ in 0..=HALVINGS {
             self.advance(problem, length);
-            let most = (1.0 - SUFFICIENT_DECREASE * length) * reference;
             // not a number is no decrease
-            if self.trial.merit <= most {
+            if self.trial.merit <= (1.0 - SUFFICIENT_DECREASE * length) * most {
                 std::mem::swap(&mut self.accepted, &mut self.trial);
                 return true;
             }
@@ -209,8 +254,9 @@ impl Newton {
     }
 
     /// The step with the factor at a point; false where that is singular.
-    fn find(&mut self, problem: &PressedProblem, at: &PressedPoint) -> bool {
-        let Some(factor) = self.cache.at(problem, at) else {
+    fn find(&mut self, problem: &PressedProblem, at: &PressedPoint, what: Following) -> bool {
+        let nodes = (&self.accepted.nodes[..], what);
+        let Some(factor) = self.cache.at(problem, at, nodes) else {
             return false;
         };
         self.direction.find(problem, &self.accepted, factor);

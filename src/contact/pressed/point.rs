@@ -93,7 +93,7 @@ pub fn set_slopes(problem: &PressedProblem, forces: &[f64], slopes: &mut [[f64; 
         let yielding: f64 = problem.yielding[problem.tangential(node)].iter().sum();
         let body = problem.components as f64 / yielding;
         let normal = problem.normal(node);
-        let weakening = weakening(problem, node, forces[normal]);
+        let weakening = problem.weakening(node, forces[normal]);
         *slope = [
             body.max(ABOVE_WEAKENING * weakening),
             1.0 / problem.yielding[normal],
@@ -104,16 +104,9 @@ pub fn set_slopes(problem: &PressedProblem, forces: &[f64], slopes: &mut [[f64; 
 /// Raises the slopes of nodes whose force, and with it the weakening of their bound, has grown.
 pub fn raise_slopes(problem: &PressedProblem, forces: &[f64], slopes: &mut [[f64; 2]]) {
     for (node, slope) in slopes.iter_mut().enumerate() {
-        let weakening = weakening(problem, node, forces[problem.normal(node)]);
+        let weakening = problem.weakening(node, forces[problem.normal(node)]);
         if slope[0] < LEAST_ABOVE * weakening {
             slope[0] = ABOVE_WEAKENING * weakening;
         }
     }
-}
-
-fn weakening(problem: &PressedProblem, node: usize, force: f64) -> f64 {
-    if problem.is_away(node) {
-        return 0.0;
-    }
-    problem.bounds.weakening(node, force)
 }

@@ -131,6 +131,19 @@ impl PressedProblem<'_> {
         self.bounds.evaluate(node, rate, force, slip)
     }
 
+    /// Whether the bound of any node falls with its slip rate under these forces.
+    pub fn can_weaken(&self, forces: &[f64]) -> bool {
+        (0..self.nodes()).any(|node| self.weakening(node, forces[self.normal(node)]) > 0.0)
+    }
+
+    /// Largest rate at which the bound of a node falls with its slip rate under this force.
+    pub fn weakening(&self, node: usize, force: f64) -> f64 {
+        if self.is_away(node) {
+            return 0.0;
+        }
+        self.bounds.weakening(node, force)
+    }
+
     /// Largest eigenvalue of the tangential block of S at a node, N s/m.
     pub fn resistance(&self, node: usize) -> f64 {
         let at = self.tangential(node).start;

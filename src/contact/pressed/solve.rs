@@ -11,7 +11,7 @@
 //! its residual alone.
 
 use super::chain::{Chain, PressedWork, SWEEPS};
-use super::linearisation::PressedPoint;
+use super::linearisation::{Following, PressedPoint};
 use super::newton::{Budget, Outcome};
 use super::problem::PressedProblem;
 use super::replaced;
@@ -99,7 +99,7 @@ impl PressedWorkspace {
         PressedWork {
             newton: newton.steps,
             factorizations: newton.cache.factorizations,
-            solves: newton.direction.solves,
+            solves: newton.direction.solves + newton.cache.border_solves(),
             ..*work
         }
     }
@@ -242,8 +242,9 @@ pub fn index(
     newton.start(problem, velocity, force);
     let mut at = PressedPoint::fresh(apart, problem);
     at.set(problem.components, &newton.accepted.nodes);
+    let nodes = (&newton.accepted.nodes[..], Following::All);
     newton
         .cache
-        .at(problem, &at)
-        .map_or(0.0, |factor| factor.lu.sign())
+        .at(problem, &at, nodes)
+        .map_or(0.0, |factor| factor.sign())
 }
