@@ -71,6 +71,7 @@ fn steps_allocate_nothing() {
         (vec![("time.scheme", "tr_bdf2")], 32),
         (vec![("fidelity.solver", fixed_point)], 16),
         (vec![("fidelity.multiplicity_test", "true")], 16),
+        (vec![("fidelity.work_limit", "2")], 16),
         (vec![("loads[0].interpolation", "hold")], 64),
         (vec![("time.inputs", "continue")], 64),
         (vec![("time.error_estimate", "true")], 16),
@@ -111,8 +112,17 @@ fn steps_of_other_laws_allocate_nothing() {
     let formula = r#"{"law": "bound", "bound": {"kind": "expression", "formula": "0.001 + 0.002 * exp(-r / 0.05) / (1 + s^2)"}}"#;
     let state = r#"{"law": "coulomb", "coefficient": {"kind": "rate_and_state", "coefficient": 0.4, "a": 0.02, "b": 0.01, "rate": 1e-3, "distance": 0.01, "evolution": "aging"}, "cohesion": 1e-3}"#;
     let surface = r#"{"law": "bound", "bound": {"kind": "table", "rate": [0, 0.1, 1], "slip": [0, 0.05], "value": [[0.003, 0.002], [0.002, 0.001], [0.002, 0.002]]}}"#;
-    for friction in [formula, state, surface] {
-        let overrides = [("contact.friction", friction), ("time.scheme", "tr_bdf2")];
+    for (friction, setting) in [
+        (formula, ("fidelity.work_limit", "1000")),
+        (state, ("fidelity.work_limit", "2")),
+        (state, ("fidelity.multiplicity_test", "true")),
+        (surface, ("fidelity.multiplicity_test", "false")),
+    ] {
+        let overrides = [
+            ("contact.friction", friction),
+            ("time.scheme", "tr_bdf2"),
+            setting,
+        ];
         let mut simulator = Simulator::new(compile(&paper(16, &overrides)).unwrap());
         simulator.init(0.0).unwrap();
         let mut outputs = vec![0.0; simulator.output_len()];

@@ -1,4 +1,5 @@
-//! Work of the default friction solver: how often a matrix of contact order is factored, and how often it is solved with.
+//! Work of the friction solvers: how often a matrix of contact order is factored, how often it is solved with, and what bounds
+//! it.
 
 mod common;
 
@@ -79,4 +80,82 @@ fn sizes_and_restored_states() {
     let again: Vec<_> = (0..8).map(|n| step(&mut other, sizes[n % 2]).0).collect();
     assert_eq!(again.iter().map(|work| work.factorizations).sum::<u64>(), 2);
     assert_eq!(simulator.state().to_bytes(), other.state().to_bytes());
+}
+
+/// Steps of a contact that slips, sticks and opens, and how each ended.
+fn ends(limit: Option<&str>, overrides: &[(&str, &str)]) -> (Vec<f64>, Vec<(f64, Option<f64>)>) {
+    let mut overrides = overrides.to_vec();
+    overrides.extend(limit.map(|limit| ("fidelity.work_limit", limit)));
+    let mut simulator = start(&paper(32, &overrides));
+    let mut outputs = vec![0.0; simulator.output_len()];
+    let ends = (0..48_u32).map(|n| {
+        let load = 0.4 * (0.5 * f64::from(n)).sin() - 0.1;
+        simulator.set_inputs(&[load]).unwrap();
+        simulator.do_step(simulator.time(), 1.0 / 32.0).unwrap();
+        let residual = value(&simulator, "solver.residual");
+        match simulator.truncated_residual() {
+            Some(reached) => assert_eq!(reached, residual),
+            None => assert!(residual <= 1e-10, "{residual:e}"),
+        }
+        (
+            value(&simulator, "solver.iterations"),
+            simulator.truncated_residual(),
+        )
+    });
+    let ends = ends.collect();
+    simulator.get_outputs(&mut outputs).unwrap();
+    (outputs, ends)
+}
+
+/// A limit that is enough changes nothing. One that is not is never exceeded, and steps that it ends say so.
+#[test]
+fn a_limit_of_work_ends_steps_at_their_best_iterate() {
+    let unilateral = r#"{"kind": "unilateral"}"#;
+    let coulomb = r#"{"law": "coulomb", "coefficient": 0.3}"#;
+    let pressed = [
+        ("contact.condition", unilateral),
+        ("contact.friction", coulomb),
+    ];
+    for overrides in [&[][..], &pressed] {
+        let (free, all) = ends(None, overrides);
+        let needed = all
+            .iter()
+            .fold(0.0, |most: f64, (count, _)| most.max(*count));
+        assert!(needed >= 3.0, "{needed}");
+        let (enough, unnoted) = ends(Some("100000"), overrides);
+        assert_eq!(enough, free);
+        assert!(unnoted.iter().all(|(_, residual)| residual.is_none()));
+        for limit in [1.0, 2.0] {
+            let (_, noted) = ends(Some(&format!("{limit}")), overrides);
+            assert!(noted.iter().all(|(count, _)| *count <= limit));
+            let residuals: Vec<f64> = noted.iter().filter_map(|(_, r)| *r).collect();
+            assert!(!residuals.is_empty(), "{overrides:?} {limit}");
+            assert!(residuals.iter().all(|r| *r > 1e-10 && r.is_finite()));
+        }
+    }
+}
+
+/// The search for other solutions runs with pressure, and changes no result.
+#[test]
+fn a_search_for_other_solutions_changes_nothing() {
+    let pressed = [
+        ("contact.condition", r#"{"kind": "unilateral"}"#),
+        (
+            "contact.friction",
+            r#"{"law": "coulomb", "coefficient": 0.3}"#,
+        ),
+    ];
+    let run = |test: &str| {
+        let mut overrides = pressed.to_vec();
+        overrides.push(("fidelity.multiplicity_test", test));
+        let mut simulator = start(&paper(16, &overrides));
+        common::steps(&mut simulator, 1.0 / 32.0, 16);
+        simulator
+    };
+    let (with, without) = (run("true"), run("false"));
+    assert_eq!(value(&with, "solver.solutions"), 1.0);
+    assert_eq!(value(&without, "solver.solutions"), 0.0);
+    for port in ["contact.slip_rate", "contact.pressure", "contact.gap"] {
+        assert_eq!(common::values(&with, port), common::values(&without, port));
+    }
 }

@@ -113,6 +113,17 @@ impl Closing {
                 ),
             },
         ));
+        if effort.truncated > 0 {
+            rows.push((
+                "work limit",
+                format!(
+                    "ended {} of {} communication steps before the friction law held to {:.1e}",
+                    effort.truncated,
+                    effort.iterations.len(),
+                    model.scene().fidelity.friction_tolerance
+                ),
+            ));
+        }
         if effort.lossy > 0 {
             rows.push((
                 "lost digits",

@@ -54,6 +54,8 @@ pub struct Effort {
     pub residual: f64,
     /// Communication steps in which rounding kept the friction law from holding to the tolerance.
     pub at_rounding: u64,
+    /// Communication steps that the limit of work ended.
+    pub truncated: u64,
     /// Communication steps in which displacement and slip lost more digits than the tolerance allows.
     pub lossy: u64,
     /// Largest share that was lost in one of them.
@@ -122,6 +124,7 @@ pub fn follow(
         let residual = scalar("solver.residual").map_err(&failed)?;
         effort.residual = effort.residual.max(residual);
         effort.at_rounding += u64::from(simulator.residual_at_rounding().is_some());
+        effort.truncated += u64::from(simulator.truncated_residual().is_some());
         if let Some(lost) = simulator.lost_digits() {
             effort.lossy += 1;
             effort.lost_digits = effort.lost_digits.max(lost);

@@ -35,7 +35,7 @@ impl Category {
             Category::Error => "A call that was refused, with the reason; always logged.",
             Category::Discard => "Values or a step that were discarded; others may succeed.",
             Category::Warning => {
-                "What accepted steps note: several solutions, a friction law that holds as well as rounding allows; when it begins \
+                "What accepted steps note: several solutions, a friction law that holds as well as rounding or the limit of work allows; when it begins \
                  and when it has ended."
             }
             Category::Event => {

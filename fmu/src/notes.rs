@@ -14,7 +14,18 @@ struct Kind {
     end: &'static str,
 }
 
-const KINDS: [Kind; 3] = [
+const KINDS: [Kind; 4] = [
+    Kind {
+        applies: |simulator| simulator.truncated_residual().is_some(),
+        text: |simulator| {
+            let residual = simulator.truncated_residual().unwrap_or_default();
+            format!(
+                "ended at fidelity.work_limit: the friction law holds to {residual:.1e} of the bound at a node, not to \
+                 fidelity.friction_tolerance"
+            )
+        },
+        end: "is solved within fidelity.work_limit again",
+    },
     Kind {
         applies: |simulator| simulator.solutions().0 > 1.0,
         text: |simulator| {

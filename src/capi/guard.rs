@@ -305,6 +305,7 @@ pub extern "C" fn stickslip_code_name(code: i32) -> *const c_char {
         super::STICKSLIP_NOT_UNIQUE => c"NOT_UNIQUE",
         super::STICKSLIP_AT_ROUNDING => c"AT_ROUNDING",
         super::STICKSLIP_DIGITS_LOST => c"DIGITS_LOST",
+        super::STICKSLIP_TRUNCATED => c"TRUNCATED",
         _ => ErrorCode::ALL
             .iter()
             .find(|known| **known as i32 == code)

@@ -40,6 +40,9 @@ pub const STICKSLIP_AT_ROUNDING: i32 = 2;
 /// millions of relaxation times with trapezoid or TR-BDF2 after a jump of the loads. The output `solver.lost_digits` tells the
 /// share by estimate; stresses and energies may be off by some times as much. Backward Euler keeps the digits.
 pub const STICKSLIP_DIGITS_LOST: i32 = 3;
+/// The step was taken, but `fidelity.work_limit` ended a friction problem at its best iterate: the output `solver.residual` tells
+/// how well the friction law holds.
+pub const STICKSLIP_TRUNCATED: i32 = 4;
 /// Causality of a port: set before a step, by default its value at the end of the step (`stickslip_set_inputs_meaning`).
 pub const STICKSLIP_INPUT: i32 = 0;
 /// Causality of a port: read after a step.

@@ -4,7 +4,10 @@ use super::guard::{
     self, Handle, free, give, guarded, handle, last_message, place, remember, values_mut,
 };
 use super::model::stickslip_model;
-use super::{STICKSLIP_AT_ROUNDING, STICKSLIP_DIGITS_LOST, STICKSLIP_NOT_UNIQUE, STICKSLIP_OK};
+use super::{
+    STICKSLIP_AT_ROUNDING, STICKSLIP_DIGITS_LOST, STICKSLIP_NOT_UNIQUE, STICKSLIP_OK,
+    STICKSLIP_TRUNCATED,
+};
 use crate::error::{Error, Result};
 use crate::message::number;
 use crate::model::ensure_available;
@@ -282,7 +285,7 @@ pub unsafe extern "C" fn stickslip_set_values(
 
 /// Steps from `time` to `time + step` (s). `time` is where the simulation stands, up to rounding; a step of any size is cut
 /// into internal steps. Allocates nothing once the step size is known. Returns a note (> 0) on a step that was taken, the first
-/// that applies: `NOT_UNIQUE` when the multiplicity test found other solutions, `DIGITS_LOST` when rounding took more of
+/// that applies: `TRUNCATED` when `fidelity.work_limit` ended a friction problem at its best iterate, `NOT_UNIQUE` when the multiplicity test found other solutions, `DIGITS_LOST` when rounding took more of
 /// displacement and slip than the tolerance of the body allows, `AT_ROUNDING` when rounding kept the friction law from holding
 /// to its tolerance. Errors, with the state bit for bit as before: `CALL_ORDER` before `stickslip_init`, `STEP`, `VALUE` for
 /// friction coefficients that do not fit each other, `NOT_CONVERGED`, `TOLERANCE_OUT_OF_REACH`, `OVERFLOW` for results that
@@ -298,6 +301,14 @@ pub unsafe extern "C" fn stickslip_do_step(
 ) -> i32 {
     let call = |simulator: &mut Simulator| {
         simulator.do_step(time, step)?;
+        if let Some(residual) = simulator.truncated_residual() {
+            remember(format_args!(
+                "the step at time {} ended at fidelity.work_limit: the friction law holds to {residual:.1e} of the bound at a node, \
+                 not to the tolerance",
+                number(time)
+            ));
+            return Ok(STICKSLIP_TRUNCATED);
+        }
         let (solutions, gap) = simulator.solutions();
         if solutions > 1.0 {
             remember(format_args!(

@@ -18,6 +18,7 @@
 pub mod bounds;
 pub mod evaluation;
 pub mod law;
+pub mod multiplicity;
 mod plane;
 pub mod point;
 pub mod pressed;

@@ -10,6 +10,11 @@ impl Model {
         self.scene().time.tolerance
     }
 
+    /// Most friction iterations of a communication step; `None` without a limit.
+    pub(crate) fn work_limit(&self) -> Option<u64> {
+        self.scene().fidelity.work_limit.map(u64::from)
+    }
+
     /// Whether the error in time is estimated.
     pub(crate) fn has_error_estimate(&self) -> bool {
         self.scene().time.estimates_error()

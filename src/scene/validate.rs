@@ -41,6 +41,7 @@ pub(super) fn check_in(scene: &Scene, dimension: Option<usize>) -> Verdict {
     }
     check_time(&scene.time)?;
     check_precision(&scene.fidelity)?;
+    check_work_limit(scene)?;
     check_target(scene)?;
     check_signals(scene)
 }
@@ -153,6 +154,37 @@ fn length(vector: &[f64]) -> f64 {
 }
 
 /// Only a reduced model has a port matrix.
+fn check_work_limit(scene: &Scene) -> Verdict {
+    let Some(limit) = scene.fidelity.work_limit else {
+        return Ok(());
+    };
+    ensure(limit >= 1, || {
+        Refusal::new("fidelity.work_limit", json(&limit), "at least 1")
+    })?;
+    let is_fixed_point = matches!(scene.fidelity.solver, FrictionSolver::FixedPoint { .. });
+    for (is_refused, what) in [
+        (
+            scene.time.tolerance.is_some(),
+            "time.tolerance, which has no bound on the number of internal steps",
+        ),
+        (
+            scene.fidelity.target_error.is_some(),
+            "fidelity.target_error, which measures steps that are solved",
+        ),
+        (
+            scene.fidelity.multiplicity_test,
+            "fidelity.multiplicity_test, whose solves have no limit",
+        ),
+        (is_fixed_point, "fidelity.solver.kind \"fixed_point\""),
+    ] {
+        ensure(!is_refused, || {
+            let found = format!("{limit} beside {what}");
+            Refusal::new("fidelity.work_limit", found, "one of the two")
+        })?;
+    }
+    Ok(())
+}
+
 fn check_precision(fidelity: &Fidelity) -> Verdict {
     let is_reduced = fidelity.model == ModelKind::Reduced;
     ensure(

@@ -17,7 +17,14 @@ impl Simulator {
     /// `fidelity.friction_tolerance`: the largest force by which it is violated at a node, over the forces that meet there.
     pub fn residual_at_rounding(&self) -> Option<f64> {
         let report = &self.state.report;
-        (report[report::AT_ROUNDING] != 0.0).then_some(report[report::RESIDUAL])
+        (report[report::ENDING] == report::AT_ROUNDING).then_some(report[report::RESIDUAL])
+    }
+
+    /// The residual of the last communication step where `fidelity.work_limit` ended a friction problem at its best iterate: the
+    /// largest force by which the friction law is violated at a node, over the bound there.
+    pub fn truncated_residual(&self) -> Option<f64> {
+        let report = &self.state.report;
+        (report[report::ENDING] == report::TRUNCATED).then_some(report[report::RESIDUAL])
     }
 
     /// How much of displacement and slip the last communication step has lost to rounding, relative and by estimate, where that

@@ -87,11 +87,16 @@ pub(crate) mod report {
     pub const RESIDUAL: usize = 1;
     pub const SOLUTIONS: usize = 2;
     pub const SOLUTION_GAP: usize = 3;
-    /// 1 when the friction law holds as well as rounding allows, but not to the tolerance.
-    pub const AT_ROUNDING: usize = 4;
+    /// How the friction problem that was solved worst has ended: 0 within the tolerance, or one of the values below.
+    pub const ENDING: usize = 4;
     /// Largest share of displacement and slip that is rounding, by estimate; see `time::lost_digits`.
     pub const LOST_DIGITS: usize = 5;
     pub const COUNT: usize = 6;
+
+    /// The friction law holds as well as rounding allows, but not to the tolerance.
+    pub const AT_ROUNDING: f64 = 1.0;
+    /// The limit of work has ended a solve at its best iterate.
+    pub const TRUNCATED: f64 = 2.0;
 }
 
 /// Places in `State::control`.

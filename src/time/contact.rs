@@ -1,10 +1,12 @@
 //! The contact of a stage, solved with pressure or without.
 
+use super::limit::WorkLimit;
 use super::memory::{Span, remembering};
 use super::pressed::{Level, PressedStage};
 use super::workspace::Workspace;
 use crate::body::Stage;
 use crate::contact::law::{LawBounds, PressedLaw};
+use crate::contact::multiplicity::Multiplicity;
 use crate::contact::problem::norm;
 use crate::contact::solve::newton::linearisation::Linearisation;
 use crate::contact::solve::{fixed_point, multiplicity, newton};
@@ -20,6 +22,8 @@ pub(super) struct Solved {
     pub node: usize,
     pub converged: bool,
     pub is_at_rounding: bool,
+    /// Whether the limit of work has ended the solve at its best iterate.
+    pub is_truncated: bool,
     /// Why the solution is none.
     pub fault: Option<Error>,
 }
@@ -54,8 +58,15 @@ pub(super) fn solve(
         displacement: &ws.explicit.normal_displacement,
     };
     let (velocity, points) = (&mut ws.velocities[index], &mut state.main.pressed_point);
-    let limits = (settings.tolerance(), settings.max_iterations());
+    let most = ws.limit.share(settings.max_iterations());
+    let limits = (settings.tolerance(), most);
     let found = pressed.solve(&at, velocity, points, limits);
+    ws.limit.spend(found.iterations);
+    if model.has_multiplicity_test() && found.converged {
+        let limits = (settings.tolerance(), settings.max_iterations());
+        let others = pressed.search(&at, limits);
+        note_multiplicity(&mut state.report, others.unwrap_or(Multiplicity::ONE));
+    }
     let fault = match model.friction().has_formula() {
         true => fault_of_formula(&at, &bounds, &velocity.instant),
         false => None,
@@ -66,6 +77,7 @@ pub(super) fn solve(
         node: found.node,
         converged: found.converged,
         is_at_rounding: found.is_at_rounding,
+        is_truncated: is_truncated(&ws.limit, found.converged, found.residual),
         fault,
     }
 }
@@ -129,7 +141,7 @@ fn solve_without_pressure(
         } => newton::solve(
             &contact,
             *tolerance,
-            *max_iterations,
+            ws.limit.share(*max_iterations),
             &mut velocity.instant.slip_rate,
             &mut Linearisation::of(&mut state.main.linearisation, theta_k),
             &mut ws.newton,
@@ -159,7 +171,9 @@ fn solve_without_pressure(
             )
         }
     };
-    if solution.converged {
+    ws.limit.spend(solution.iterations);
+    let is_truncated = is_truncated(&ws.limit, solution.converged, solution.residual);
+    if solution.converged || is_truncated {
         let accepted = ws.newton.accepted();
         contact.forces(accepted, &mut velocity.instant.force);
         for (reaction, y) in velocity.instant.reaction.iter_mut().zip(&accepted.y) {
@@ -172,8 +186,14 @@ fn solve_without_pressure(
         node: solution.node,
         converged: solution.converged,
         is_at_rounding: solution.is_at_rounding,
+        is_truncated,
         fault: None,
     }
+}
+
+/// Whether a solve that has not converged ends where it is, because there is a limit of work.
+fn is_truncated(limit: &WorkLimit, converged: bool, residual: f64) -> bool {
+    limit.is_given() && !converged && residual.is_finite()
 }
 
 /// Takes note of other solutions of the stage.
@@ -196,7 +216,10 @@ pub(super) fn test_multiplicity(
         &ws.velocities[index].instant.slip_rate,
         &mut ws.multiplicity,
     );
-    let entry = &mut state.report;
+    note_multiplicity(&mut state.report, found);
+}
+
+fn note_multiplicity(entry: &mut [f64], found: Multiplicity) {
     entry[report::SOLUTIONS] = entry[report::SOLUTIONS].max(found.solutions as f64);
     entry[report::SOLUTION_GAP] = entry[report::SOLUTION_GAP].max(found.gap);
 }

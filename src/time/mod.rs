@@ -12,6 +12,7 @@ pub(crate) mod estimate;
 pub(crate) mod finite;
 mod foundation;
 pub(crate) mod input_course;
+mod limit;
 pub(crate) mod lost_digits;
 pub(crate) mod memory;
 pub(crate) mod pressed;

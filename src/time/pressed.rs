@@ -13,10 +13,11 @@
 
 use super::velocity::Velocity;
 use crate::body::Stage;
+use crate::contact::multiplicity::Multiplicity;
 use crate::contact::pressed::tangent::PressedTangent;
 use crate::contact::pressed::{
-    NormalCondition, PressedBounds, PressedPoint, PressedProblem, PressedSolution,
-    PressedWorkspace, solve,
+    NormalCondition, PressedBounds, PressedMultiplicity, PressedPoint, PressedProblem,
+    PressedSolution, PressedWorkspace, solve,
 };
 use crate::model::Model;
 use crate::scene::Condition;
@@ -44,6 +45,8 @@ pub(crate) struct PressedScratch {
     gap_base: Vec<f64>,
     /// Stiffness of the foundation at every node, where it gives way.
     stiffness: Vec<f64>,
+    /// Scratch of the search for other solutions, where there is one.
+    multiplicity: Option<PressedMultiplicity>,
 }
 
 impl PressedScratch {
@@ -63,6 +66,9 @@ impl PressedScratch {
             reaction: vec![0.0; len],
             gap_base: vec![0.0; contact.node_count()],
             stiffness,
+            multiplicity: model
+                .has_multiplicity_test()
+                .then(|| PressedMultiplicity::new(contact.node_count(), contact.components)),
         }
     }
 
@@ -126,6 +132,7 @@ impl PressedScratch {
             reaction,
             gap_base,
             stiffness,
+            ..
         } = self;
         let solution = solve(
             &at.problem(gap_base, gap_rate, stiffness),
@@ -140,6 +147,14 @@ impl PressedScratch {
         let found = [&self.velocity[..], &self.force, &self.reaction];
         scatter(at.model.contact().components, found, &mut velocity.instant);
         solution
+    }
+
+    /// Other solutions of the stage that was solved last, where the scene asks for them.
+    pub fn search(&mut self, at: &PressedStage, limits: (f64, usize)) -> Option<Multiplicity> {
+        let gap_rate = self.set_gap(at.model, at.displacement, at.level);
+        let problem = at.problem(&self.gap_base, gap_rate, &self.stiffness);
+        let search = self.multiplicity.as_mut()?;
+        Some(search.search(&problem, limits, &self.velocity, &self.force))
     }
 
     /// The tangent of a stage at its solution, and the problem that it is of.

@@ -70,6 +70,11 @@ impl Parts {
         }
     }
 
+    /// Internal steps of the communication step, where all are equal.
+    pub fn internal_steps(&self) -> u64 {
+        self.next.panels * u64::from(self.next.steps)
+    }
+
     /// The next part, the largest that is not above `size` and stays in the half of the panel that it begins; the whole
     /// panel without a size. `None` at the end.
     pub fn next(&mut self, size: Option<f64>) -> Option<Part> {

@@ -157,7 +157,7 @@ fn solve_stage(
             time: state.time,
         });
     }
-    if !solved.converged {
+    if !solved.converged && !solved.is_truncated {
         return Err(Error::NotConverged {
             time: state.time,
             residual: solved.residual,
@@ -175,9 +175,12 @@ fn solve_stage(
     let entry = &mut state.report;
     entry[report::ITERATIONS] += solved.iterations as f64;
     entry[report::RESIDUAL] = entry[report::RESIDUAL].max(solved.residual);
-    if solved.is_at_rounding {
-        entry[report::AT_ROUNDING] = 1.0;
-    }
+    let ending = match (solved.is_truncated, solved.is_at_rounding) {
+        (true, _) => report::TRUNCATED,
+        (_, true) => report::AT_ROUNDING,
+        _ => 0.0,
+    };
+    entry[report::ENDING] = entry[report::ENDING].max(ending);
     correct(model, ws, theta_k, index);
     if index > 0 {
         memory::advance(model, state, &ws.before, span, &mut ws.velocities[index]);

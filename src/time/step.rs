@@ -21,6 +21,7 @@
 use super::companion::Companion;
 use super::control::{self, Verdict};
 use super::input_course;
+use super::limit::WorkLimit;
 use super::lost_digits;
 use super::record::{add_energies, integrate, record};
 use super::second;
@@ -43,11 +44,25 @@ pub(crate) fn advance(
     h: f64,
     companion: &mut impl Companion,
 ) -> Result<()> {
+    let parts = Parts::of(state.time, h, model);
+    ws.limit = WorkLimit::of_step(model, parts.internal_steps());
+    let outcome = advance_by(model, state, ws, (h, parts), companion);
+    ws.limit = WorkLimit::default();
+    outcome
+}
+
+/// The communication step of `h` in these parts.
+fn advance_by(
+    model: &Model,
+    state: &mut State,
+    ws: &mut Workspace,
+    (h, mut parts): (f64, Parts),
+    companion: &mut impl Companion,
+) -> Result<()> {
     state.report.fill(0.0);
     apply_jumps(model, state, ws, h)?;
     companion.start(model, state, ws)?;
     let start = state.time;
-    let mut parts = Parts::of(start, h, model);
     while let Some(part) = parts.next(control::proposed(model, state)) {
         control::keep(state, ws);
         companion.keep();

@@ -1,6 +1,7 @@
 //! Scratch of one simulator: rebuilt at will, never saved, never changes a result.
 
 use super::finite::FiniteCheck;
+use super::limit::WorkLimit;
 use super::memory::Before;
 use super::pressed::PressedScratch;
 use super::relative::Relative;
@@ -158,6 +159,8 @@ pub(crate) struct Workspace {
     /// Scratch of the step control, where there is one.
     pub control: Option<ControlWorkspace>,
     pub finite: FiniteCheck,
+    /// Friction iterations that are left to the communication step.
+    pub limit: WorkLimit,
 }
 
 impl Workspace {
@@ -189,6 +192,7 @@ impl Workspace {
             condensed_load: vec![0.0; contact.force_len()],
             last_iterate: vec![0.0; model.states()],
             finite: FiniteCheck::new(model),
+            limit: WorkLimit::default(),
             control: (model.tolerance().is_some()).then(|| ControlWorkspace::new(model)),
         }
     }

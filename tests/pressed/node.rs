@@ -4,7 +4,7 @@ use crate::cases::{Case, Found, Solver, difference};
 use crate::check::violation;
 use crate::laws::{Coefficient, Friction, Pressure};
 use faer::Mat;
-use stickslip::contact::pressed::{NormalCondition, PressedWorkspace, index};
+use stickslip::contact::pressed::{NormalCondition, PressedMultiplicity, PressedWorkspace, index};
 
 /// Compliances 1 and 0.4, coupled by 0.5, free velocities (1, 0.1).
 fn case(mu: f64) -> Case {
@@ -76,6 +76,26 @@ fn the_sign_of_the_determinant_tells_of_the_others() {
     let mut ws = PressedWorkspace::new(1, 1);
     let signs = solutions().map(|at| case.with(|p| index(p, &at.velocity, &at.force, &mut ws)));
     assert_eq!(signs, [1.0, -1.0, 1.0]);
+}
+
+/// Whichever of the three is accepted, the search tells of the others; where there is one, it finds one.
+#[test]
+fn a_search_finds_the_other_solutions() {
+    let mut search = PressedMultiplicity::new(1, 1);
+    let limits = (1e-12, 1000);
+    let strong = case(1.0);
+    let gaps = [1.0, 0.5, 1.0];
+    for ((at, gap), is_least) in solutions().iter().zip(gaps).zip([false, true, false]) {
+        let found = strong.with(|p| search.search(p, limits, &at.velocity, &at.force));
+        // from the middle one, both extreme ones and the sign of the determinant; from an extreme one, the other
+        assert_eq!(found.solutions, if is_least { 3 } else { 2 }, "{at:?}");
+        assert!((found.gap - gap).abs() < 1e-9, "{found:?}");
+    }
+    let weak = case(0.7);
+    let open = &solutions()[0];
+    let found = weak.with(|p| search.search(p, limits, &open.velocity, &open.force));
+    assert_eq!(found.solutions, 1);
+    assert!(found.gap < 1e-9);
 }
 
 /// From starts all around, one of the three is found, and each of the two stable ones from its side.

@@ -18,6 +18,7 @@ mod border;
 mod chain;
 mod direction;
 mod linearisation;
+mod multiplicity;
 mod newton;
 mod node;
 mod point;
@@ -30,5 +31,6 @@ pub(crate) mod tangent;
 
 pub use chain::PressedWork;
 pub use linearisation::{PressedPoint, clear_points, is_plausible, points_len};
+pub use multiplicity::PressedMultiplicity;
 pub use problem::{NormalCondition, PressedBound, PressedBounds, PressedProblem};
 pub use solve::{PressedSolution, PressedWorkspace, index, solve};

@@ -162,6 +162,9 @@ impl Newton {
                 break;
             }
             if !budget.take() {
+                if self.is_bold && self.least.merit < self.accepted.merit {
+                    self.accepted.copy_from(&self.least);
+                }
                 return Outcome::Exhausted;
             }
             self.steps += 1;

@@ -6,7 +6,7 @@ use super::problem::{PressedBound, PressedBounds, PressedProblem};
 use crate::contact::SlipPath;
 
 /// Bounds that depend on nothing, N.
-struct Frozen<'a>(&'a [f64]);
+pub(super) struct Frozen<'a>(pub &'a [f64]);
 
 impl PressedBounds for Frozen<'_> {
     fn evaluate(&self, node: usize, _: f64, _: f64, _: SlipPath) -> PressedBound {

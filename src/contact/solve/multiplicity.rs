@@ -9,19 +9,8 @@ use super::newton::linearisation::{Linearisation, block_len};
 use super::newton::{Workspace, solve};
 use crate::contact::bounds::FrozenBounds;
 use crate::contact::law::LawBounds;
+use crate::contact::multiplicity::Multiplicity;
 use crate::contact::problem::ContactProblem;
-
-/// Solutions that differ by less than this share of the largest slip rate are one.
-const SAME: f64 = 1e-6;
-
-/// What the test found.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Multiplicity {
-    /// Different solutions, the accepted one included.
-    pub solutions: usize,
-    /// Largest difference in slip rate to the accepted one, m/s.
-    pub gap: f64,
-}
 
 /// Scratch of the test.
 pub struct MultiplicityWorkspace {
@@ -51,11 +40,7 @@ pub fn test(
     accepted: &[f64],
     ws: &mut MultiplicityWorkspace,
 ) -> Multiplicity {
-    let mut found = Multiplicity {
-        solutions: 1,
-        gap: 0.0,
-    };
-    let largest = accepted.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+    let mut found = Multiplicity::ONE;
     for at in 0..2 {
         for (node, bound) in ws.bounds.iter_mut().enumerate() {
             *bound = law.extremes(node)[at];
@@ -82,22 +67,7 @@ pub fn test(
         if !(converges(problem, w) && has_start) {
             continue;
         }
-        let scale = w.iter().fold(largest, |m, v| m.max(v.abs()));
-        let gap = difference(w, accepted);
-        let is_new = gap > SAME * scale
-            && before
-                .iter()
-                .all(|other| difference(w, other) > SAME * scale);
-        if is_new {
-            found.solutions += 1;
-        }
-        found.gap = found.gap.max(gap);
+        found.count(w, accepted, before.iter().map(Vec::as_slice));
     }
     found
-}
-
-fn difference(a: &[f64], b: &[f64]) -> f64 {
-    a.iter()
-        .zip(b)
-        .fold(0.0, |m: f64, (a, b)| m.max((a - b).abs()))
 }

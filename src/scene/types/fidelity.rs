@@ -125,10 +125,20 @@ pub struct Fidelity {
     #[schemars(extend("exclusiveMinimum" = 0))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub memory_limit: Option<f64>,
+    /// Most friction iterations of a communication step, for hosts that must not be late. They are shared evenly among the
+    /// friction problems of the step (internal steps times stages); one that is not solved within its share ends at its best
+    /// iterate: the step is taken, with a note, and `solver.residual` tells how well the friction law holds. An iteration is bounded: a
+    /// few factorizations of the order of the contact at most, and some tens of products. The start is not limited. Default: none; a
+    /// problem that is not solved is an error. Not with `time.tolerance`, whose number of steps has no bound, `target_error`,
+    /// `multiplicity_test`, or the solver `fixed_point`.
+    #[schemars(range(min = 1))]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub work_limit: Option<u32>,
     /// Friction solver. Default: `newton`.
     pub solver: FrictionSolver,
-    /// Looks, at every step, for a second solution from all-static and all-kinetic bounds; costs two more solves.
-    /// Default: false.
+    /// Looks, at every step, for a second solution from two sides: all-static and all-kinetic bounds, or where friction follows the
+    /// pressure, all sticking and no friction; there the sign of a determinant tells of others too. Costs two to four more solves. It
+    /// proves that there are several, never that there is one. Default: false.
     pub multiplicity_test: bool,
 }
 
@@ -141,6 +151,7 @@ impl Default for Fidelity {
             friction_tolerance: 1e-10,
             target_error: None,
             memory_limit: None,
+            work_limit: None,
             solver: FrictionSolver::default(),
             multiplicity_test: false,
         }

@@ -35,10 +35,6 @@ pub(super) fn check_condition(scene: &Scene) -> Verdict {
             Refusal::new("fidelity.solver.kind", found, "newton")
         },
     )?;
-    ensure(!scene.fidelity.multiplicity_test, || {
-        let found = "true, where the contact has a pressure";
-        Refusal::new("fidelity.multiplicity_test", found, "false")
-    })?;
     ensure(scene.scheme() != Scheme::Rectangle, || {
         let found =
             "\"rectangle\", which is explicit: no pressure of a step could keep the gap at its end";
