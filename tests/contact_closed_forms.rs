@@ -222,3 +222,45 @@ fn spring_slider_sticks_and_slips_with_its_period() {
         );
     }
 }
+
+/// A gap that is written as a formula is the gap node by node; what is no formula, no number or no gap is refused with its place.
+#[test]
+fn gap_is_a_formula_of_the_place() {
+    let compiled = |gap: serde_json::Value| {
+        let text = json!({"schema_version": 1, "name": "block",
+            "mesh": {"kind": "rectangle", "size": [1.0, 0.5], "cells": [8, 4]},
+            "material": {"viscosity": {"law": "isotropic", "mu1": 0.05, "mu2": 0.1},
+                         "elasticity": {"law": "isotropic", "young": 1.0, "poisson": 0.3, "convention": "plane_strain"}},
+            "clamped": ["left"],
+            "contact": {"part": "bottom", "condition": {"kind": "unilateral", "gap": gap},
+                        "friction": {"law": "coulomb", "coefficient": 0.3}},
+            "time": {"scheme": "backward_euler", "step": 0.03125}});
+        compile(&scene(&text))
+    };
+    let start = |gap| {
+        let mut simulator = Simulator::new(compiled(gap).unwrap());
+        simulator.init(0.0).unwrap();
+        values(&simulator, "contact.gap")
+    };
+    let gaps = start(json!({"expression": "0.01 * x^2 + y"}));
+    let nodes: Vec<f64> = (1..=8)
+        .map(|i| 0.01 * (f64::from(i) / 8.0).powi(2))
+        .collect();
+    assert_eq!(gaps.len(), nodes.len());
+    for (found, expected) in gaps.iter().zip(&nodes) {
+        assert!((found - expected).abs() < 1e-16, "{gaps:?}");
+    }
+    assert_eq!(gaps, start(json!({"nodes": gaps})));
+    for (formula, found, allowed) in [
+        ("0.01 *", "the end at character 7", "a number"),
+        ("r", "at character 1", "x, y, z"),
+        ("1 / (x - x)", "inf at contact node 0", "finite numbers"),
+        ("-x", "-0.125 at contact node 0", "a gap >= 0"),
+    ] {
+        let error = compiled(json!({"expression": formula}))
+            .unwrap_err()
+            .to_string();
+        assert!(error.contains("contact.condition.gap"), "{error}");
+        assert!(error.contains(found) && error.contains(allowed), "{error}");
+    }
+}

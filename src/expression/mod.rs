@@ -22,6 +22,8 @@ use dual::{Dual, Number};
 use function::{BinaryFunction, UnaryFunction};
 use std::fmt;
 
+/// Variables of a formula of the place alone: coordinates, m.
+pub const COORDINATES: [&str; 3] = ["x", "y", "z"];
 /// Longest text, bytes.
 pub const LONGEST: usize = 2000;
 /// Most operations of a program.
@@ -40,14 +42,16 @@ pub struct Fault {
     pub allowed: String,
 }
 
+impl Fault {
+    /// What was found, with its place.
+    pub fn found_there(&self) -> String {
+        format!("{} at character {}", self.found, self.position)
+    }
+}
+
 impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Fault {
-            position,
-            found,
-            allowed,
-        } = self;
-        write!(f, "{found} at character {position}; allowed: {allowed}")
+        write!(f, "{}; allowed: {}", self.found_there(), self.allowed)
     }
 }
 

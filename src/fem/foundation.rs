@@ -3,6 +3,7 @@
 use super::contact::ContactPatch;
 use super::direction::{axis_of, direction};
 use crate::error::Result;
+use crate::expression::{COORDINATES, Program};
 use crate::mesh::Mesh;
 use crate::message::{cut, number};
 use crate::refusal::scene_error;
@@ -70,6 +71,17 @@ pub(super) fn initial_gap(scene: &Scene, mesh: &Mesh, contact: &ContactPatch) ->
             let found = format!("{} numbers", given.nodes.len());
             let allowed = format!("one number per contact node: {count}");
             return Err(scene_error(&format!("{path}.nodes"), found, allowed));
+        }
+        Gap::Expression(given) => {
+            let path = format!("{path}.expression");
+            let program = Program::parse(&given.expression, &COORDINATES)
+                .map_err(|fault| scene_error(&path, fault.found_there(), fault.allowed))?;
+            let gaps: Vec<f64> = contact.points.iter().map(|at| program.value(at)).collect();
+            if let Some(node) = gaps.iter().position(|gap| !gap.is_finite()) {
+                let found = format!("{} at contact node {node}", number(gaps[node]));
+                return Err(scene_error(&path, found, "finite numbers".to_owned()));
+            }
+            gaps
         }
         Gap::Shape(_) => {
             // weighted by the areas of the faces, as the nodal normals are

@@ -1,14 +1,12 @@
 //! The formula of a law that a scene writes out: its program, the contact nodes that it is about, what samples say of its curve.
 
 use super::misfit::{Misfit, Wrong};
-use crate::expression::{Fault, Program};
+use crate::expression::{COORDINATES, Fault, Program};
 use crate::message::number;
 
 /// Variables of the formula of a law: slip rate m/s, accumulated slip m, pressure Pa, coordinates m. Derivatives are by the first three.
 pub const VARIABLES: [&str; 6] = ["r", "s", "p", "x", "y", "z"];
 const FIRST_COORDINATE: usize = 3;
-/// Variables of an expression for a coefficient.
-pub const COORDINATES: [&str; 3] = ["x", "y", "z"];
 
 /// Samples of the slip rate, m/s, and of accumulated slip, m, and pressure, Pa: 0 and powers of ten between these exponents, with
 /// so many in a decade.

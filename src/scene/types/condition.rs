@@ -59,6 +59,8 @@ pub enum Gap {
     Uniform(f64),
     /// Node by node.
     Nodal(NodalGap),
+    /// By a formula.
+    Expression(GapExpression),
     /// That of the shape of the body.
     Shape(GapShape),
 }
@@ -76,6 +78,14 @@ pub struct NodalGap {
     /// One number per contact node, m.
     #[schemars(length(min = 1))]
     pub nodes: Vec<f64>,
+}
+
+/// A gap that depends on the place.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct GapExpression {
+    /// Formula of x, y, z (coordinates of a contact node, m) for the gap there, m; evaluated when the scene is compiled.
+    pub expression: String,
 }
 
 /// A gap that follows from the shape of the body.
