@@ -253,7 +253,7 @@ fn gap_is_a_formula_of_the_place() {
     assert_eq!(gaps, start(json!({"nodes": gaps})));
     for (formula, found, allowed) in [
         ("0.01 *", "the end at character 7", "a number"),
-        ("r", "at character 1", "x, y, z"),
+        ("r", "at character 1", "x y z"),
         ("1 / (x - x)", "inf at contact node 0", "finite numbers"),
         ("-x", "-0.125 at contact node 0", "a gap >= 0"),
     ] {
