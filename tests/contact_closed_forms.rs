@@ -258,7 +258,8 @@ fn gap_is_a_formula_of_the_place() {
         ("-x", "-0.125 at contact node 0", "a gap >= 0"),
     ] {
         let error = compiled(json!({"expression": formula}))
-            .unwrap_err()
+            .err()
+            .unwrap()
             .to_string();
         assert!(error.contains("contact.condition.gap"), "{error}");
         assert!(error.contains(found) && error.contains(allowed), "{error}");
