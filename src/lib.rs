@@ -60,6 +60,7 @@ pub mod message;
 pub mod model;
 pub mod ports;
 mod progress;
+pub mod qvi;
 mod refusal;
 pub mod scene;
 pub mod simulator;
@@ -79,3 +80,7 @@ pub use state::State;
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct ReadmeExamples;
+
+#[cfg(doctest)]
+#[doc = include_str!("../docs/qvi.md")]
+struct InequalityPage;

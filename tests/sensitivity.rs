@@ -193,6 +193,32 @@ fn the_tangent_is_the_derivative_for_every_law() {
     assert!(stick.iter().any(|share| *share > 0.0 && *share < 1.0));
 }
 
+/// Bounds and coefficients that remember slip through a kernel.
+#[test]
+fn the_tangent_is_the_derivative_with_a_memory_of_slip() {
+    let memory = json!({"kernel": [{"weight": 1.0, "tau": 0.1}, {"weight": 0.5, "tau": 0.01}, {"weight": 0.2}]});
+    let mut stick = Vec::new();
+    for scheme in ["trapezoid", "midpoint", "backward_euler", "tr_bdf2"] {
+        for (_, a) in PLANE_BOUND {
+            let bound =
+                json!({"kind": "slip_weakening", "static": a, "dynamic": 0.3 * a, "distance": 0.5});
+            let friction = json!({"law": "bound", "bound": bound, "memory": memory});
+            stick.push(check(
+                plane("reduced", scheme, "linear", friction),
+                [-0.3, 0.05],
+            ));
+        }
+        let coefficient = json!({"kind": "expression", "formula": "0.1 + 0.2 * exp(-s / 0.1)"});
+        let friction = json!({"law": "coulomb", "coefficient": coefficient, "memory": memory});
+        stick.push(check(
+            plane("condensed", scheme, "linear", friction),
+            [-0.3, 0.05],
+        ));
+    }
+    assert!(stick.contains(&1.0) && stick.contains(&0.0));
+    assert!(stick.iter().any(|share| *share > 0.0 && *share < 1.0));
+}
+
 /// Whatever inputs mean: held from the beginning of the step; continued with their last slope, with twice the slope before it, or
 /// not continued.
 #[test]

@@ -31,6 +31,8 @@ pub enum Command {
     Example { name: Option<String> },
     /// Print the JSON Schema of scenes.
     Schema,
+    /// Solve the abstract inequalities P1 to P7, which have exact solutions, and print errors, orders and conditions.
+    Qvi,
     /// Reproduce section 7 of Kazmi et al. (2014): Figures 3 to 7 and the reported numbers.
     Paper(PaperOptions),
 }

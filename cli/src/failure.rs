@@ -25,6 +25,8 @@ pub enum Failure {
     },
     /// An option that another one rules out.
     Option(&'static str),
+    /// An abstract inequality was not solved.
+    Inequality(stickslip::qvi::SolveError),
     /// Neither a file nor an embedded example.
     NoScene { name: String },
     /// Standard output is not writable, other than by being closed.
@@ -69,6 +71,7 @@ impl fmt::Display for Failure {
                 format!("{}: cannot {doing}: {why}", path.display())
             }
             Failure::Package { source_name, error } => format!("{source_name}: {error}"),
+            Failure::Inequality(error) => error.to_string(),
             Failure::Option(why) => (*why).to_owned(),
             Failure::NoScene { name } => {
                 let names: Vec<_> = stickslip::scene::example_names().collect();

@@ -14,6 +14,7 @@ mod fmu;
 mod main_job;
 mod paper;
 mod pictures;
+mod qvi;
 mod run;
 mod run_pictures;
 mod source;
@@ -52,6 +53,7 @@ fn dispatch(arguments: &Arguments) -> Result<(), Failure> {
             console::say(source::embedded(name)?.trim_end())
         }
         Some(Command::Schema) => console::say(&stickslip::scene::json_schema()),
+        Some(Command::Qvi) => qvi::run(),
         Some(Command::Paper(options)) => paper::run(options),
     }
 }

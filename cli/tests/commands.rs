@@ -270,3 +270,32 @@ fn errors_are_those_of_the_independent_solver() {
         assert!((found / expected - 1.0).abs() < 2e-4, "{found}");
     }
 }
+
+#[test]
+fn qvi_prints_errors_orders_and_conditions() {
+    let printed = Shell::new().succeed(&["qvi"]);
+    let row = |name: &str| -> Vec<String> {
+        let line = printed.lines().find(|line| line.starts_with(name));
+        let line = line.unwrap_or_else(|| panic!("{name} is not in\n{printed}"));
+        line.split_whitespace().map(str::to_owned).collect()
+    };
+    for (i, (trapezoid, rectangle)) in [(2.0, 1.0); 6].into_iter().enumerate() {
+        for (rule, order) in [("trapezoid", trapezoid), ("rectangle", rectangle)] {
+            let cells = row(&format!("P{} {rule}", i + 1));
+            let found: f64 = cells.last().unwrap().parse().unwrap();
+            assert!((found / order - 1.0).abs() < 0.03, "{cells:?}");
+        }
+    }
+    // the errors of an independent script
+    assert_eq!(row("P1 trapezoid")[2..4], ["1.444e-3", "3.614e-4"]);
+    assert_eq!(
+        row("trapezoid, 32")[2..6],
+        ["1.256e-1", "6.292e-2", "3.147e-2", "1.574e-2"]
+    );
+    for condition in ["(2.6)", "(3.6)", "0.0750", "holds"] {
+        assert!(
+            printed.contains(condition),
+            "{condition} is not in\n{printed}"
+        );
+    }
+}

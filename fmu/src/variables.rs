@@ -83,6 +83,7 @@ impl Follows {
             | Quantity::Coefficient(_)
             | Quantity::Slip
             | Quantity::AccumulatedSlip
+            | Quantity::SlipMemory
             | Quantity::FrictionState
             | Quantity::LoadDisplacement(_)
             | Quantity::DriveDisplacement(_)

@@ -9,6 +9,17 @@ pub struct SlipPath {
     pub per_rate: f64,
 }
 
+impl SlipPath {
+    /// The path times a factor.
+    #[inline(always)]
+    pub fn scaled(self, factor: f64) -> SlipPath {
+        SlipPath {
+            base: factor * self.base,
+            per_rate: factor * self.per_rate,
+        }
+    }
+}
+
 /// All that a law says at one node and slip rate.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Evaluation {

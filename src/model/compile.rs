@@ -224,7 +224,9 @@ fn finish(
     let tableau = Tableau::of(scene.scheme());
     let theta_k = tableau.theta() * scene.time.step;
     let law = LawConstants {
-        weakening: friction.bounds().weakening(theta_k),
+        weakening: friction
+            .bounds()
+            .weakening(friction.kernel().largest_per_rate(theta_k)),
         coefficient: scene.contact.friction.is_coulomb().then(|| {
             let nodes = 0..body.contact.node_count();
             let largest = nodes.map(|node| friction.bounds().extremes(node)[0]);

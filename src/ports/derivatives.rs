@@ -33,7 +33,7 @@ impl Quantity {
     pub(crate) fn tangent(self) -> Tangent {
         use Quantity::*;
         match self {
-            Input(_) | TangentialStress | SlipRate | Slip | AccumulatedSlip | ContactForce
+            Input(_) | TangentialStress | SlipRate | Slip | AccumulatedSlip | SlipMemory | ContactForce
             | Pressure | NormalForce | FrictionState | MeanTangentialStress | MeanSlipRate
             | MeanPressure | LoadDisplacement(_) | LoadVelocity(_) | ProbeDisplacement(_)
             | ProbeVelocity(_) | DriveDisplacement(_) | DriveVelocity(_) | DriveForce(_)
@@ -56,13 +56,13 @@ impl Quantity {
             LoadDisplacement(load) => Slope::Is(LoadVelocity(load)),
             ProbeDisplacement(probe) => Slope::Is(ProbeVelocity(probe)),
             DriveDisplacement(drive) => Slope::Is(DriveVelocity(drive)),
-            Input(_) | FrictionState | Pressure | Gap | Status | NormalForce | OpenFraction
-            | MeanTangentialStress | MeanSlipRate | MeanPressure | DriveVelocity(_)
-            | DriveForce(_) | FoundationForce(_) | TangentialStress | SlipRate | Stick
-            | ContactForce | MaxSlipRate | StickFraction | LoadVelocity(_) | ProbeVelocity(_)
-            | ExternalWork | ElasticEnergy | ViscousDissipation | FrictionDissipation
-            | BalanceError | Iterations | Residual | Solutions | SolutionGap | ErrorEstimate
-            | LostDigits | Coefficient(_) => Slope::Unknown,
+            Input(_) | FrictionState | SlipMemory | Pressure | Gap | Status | NormalForce
+            | OpenFraction | MeanTangentialStress | MeanSlipRate | MeanPressure
+            | DriveVelocity(_) | DriveForce(_) | FoundationForce(_) | TangentialStress
+            | SlipRate | Stick | ContactForce | MaxSlipRate | StickFraction | LoadVelocity(_)
+            | ProbeVelocity(_) | ExternalWork | ElasticEnergy | ViscousDissipation
+            | FrictionDissipation | BalanceError | Iterations | Residual | Solutions
+            | SolutionGap | ErrorEstimate | LostDigits | Coefficient(_) => Slope::Unknown,
         }
     }
 }

@@ -258,6 +258,11 @@ impl Ports {
             let name = format!("contact.{name}");
             self.add(name, unit, Causality::Output, shape, quantity, text);
         }
+        if !shapes.friction.kernel().is_empty() {
+            let text = "Slip as the kernel of the friction law remembers it.";
+            let name = "contact.slip_memory";
+            self.add(name, "m", Causality::Output, nodal, SlipMemory, text);
+        }
         if shapes.has_means {
             for (name, unit, quantity, text) in [
                 (

@@ -29,6 +29,7 @@ pub enum Quantity {
     SlipRate,
     Slip,
     AccumulatedSlip,
+    SlipMemory,
     Stick,
     ContactForce,
     Pressure,

@@ -87,6 +87,14 @@ pub(crate) fn read(model: &Model, state: &State, port: &Port, out: &mut [f64]) {
         }
         Quantity::SlipRate => return out.copy_from_slice(&state.main.instant.slip_rate),
         Quantity::Slip => return out.copy_from_slice(&state.slip),
+        Quantity::SlipMemory => {
+            let kernel = model.friction().kernel();
+            let nodes = state.main.slip_memory.chunks_exact(kernel.terms().len());
+            for (out, states) in out.iter_mut().zip(nodes) {
+                *out = kernel.value(states);
+            }
+            return;
+        }
         Quantity::AccumulatedSlip => return out.copy_from_slice(&state.main.accumulated_slip),
         Quantity::ProbeDisplacement(i) => {
             return out.copy_from_slice(&state.output_displacement[probe(i)]);

@@ -1,8 +1,8 @@
 //! Rules of the friction of a scene, and its law on a contact.
 
-use super::types::Scene;
+use super::types::{Friction, Scene};
 use crate::Result;
-use crate::contact::law::{ChosenLaw, Given, Misfit, Wrong};
+use crate::contact::law::{ChosenLaw, Given, Misfit, SlipKernel, Wrong};
 use crate::message::number;
 use crate::refusal::Refusal;
 
@@ -33,26 +33,52 @@ pub(super) fn check(scene: &Scene) -> std::result::Result<(), Refusal> {
 fn choose(scene: &Scene, points: Option<&[[f64; 3]]>) -> std::result::Result<ChosenLaw, Refusal> {
     let friction = &scene.contact.friction;
     let law = friction.law;
-    ChosenLaw::new(law, &friction.coefficients, points).map_err(|misfit: Misfit| {
-        let given = &friction.coefficients[misfit.coefficient];
-        let path = law.path(misfit.coefficient);
-        let path = match (misfit.wrong, given) {
-            (Wrong::Row(row), _) => format!("{path}[{row}]"),
-            (Wrong::Count, Given::Nodes(_)) => format!("{path}.nodes"),
-            (Wrong::Entry(node), Given::Nodes(_)) => format!("{path}.nodes[{node}]"),
-            (Wrong::Entry(point), Given::Points(_) | Given::Rows(..)) => {
-                format!("{path}[{point}]")
+    let chosen =
+        ChosenLaw::new(law, &friction.coefficients, points).map_err(|misfit: Misfit| {
+            let given = &friction.coefficients[misfit.coefficient];
+            let path = law.path(misfit.coefficient);
+            let path = match (misfit.wrong, given) {
+                (Wrong::Row(row), _) => format!("{path}[{row}]"),
+                (Wrong::Count, Given::Nodes(_)) => format!("{path}.nodes"),
+                (Wrong::Entry(node), Given::Nodes(_)) => format!("{path}.nodes[{node}]"),
+                (Wrong::Entry(point), Given::Points(_) | Given::Rows(..)) => {
+                    format!("{path}[{point}]")
+                }
+                (_, Given::Expression(_)) => format!("{path}.expression"),
+                // beside a field, a number is wrong at one of its nodes
+                _ => path,
+            };
+            let found = match misfit.wrong {
+                _ if misfit.words.is_some() => misfit.words.unwrap_or_default(),
+                Wrong::Count | Wrong::Row(_) => format!("{} numbers", misfit.found),
+                Wrong::Rows => format!("{} rows", misfit.found),
+                _ => number(misfit.found).to_string(),
+            };
+            Refusal::new(path, found, misfit.allowed)
+        })?;
+    remember(chosen, friction)
+}
+
+/// The law with the memory of slip that the scene gives it.
+fn remember(chosen: ChosenLaw, friction: &Friction) -> std::result::Result<ChosenLaw, Refusal> {
+    const PATH: &str = "contact.friction.memory";
+    if friction.memory.is_empty() {
+        return Ok(chosen);
+    }
+    for (i, term) in friction.memory.iter().enumerate() {
+        for (name, value) in [("weight", term.weight), ("tau", term.tau)] {
+            let is_absent = name == "tau" && value == f64::INFINITY;
+            if !(value > 0.0 && value.is_finite() || is_absent) {
+                let path = format!("{PATH}.kernel[{i}].{name}");
+                let allowed = "a positive number".to_owned();
+                return Err(Refusal::new(path, number(value).to_string(), allowed));
             }
-            (_, Given::Expression(_)) => format!("{path}.expression"),
-            // beside a field, a number is wrong at one of its nodes
-            _ => path,
-        };
-        let found = match misfit.wrong {
-            _ if misfit.words.is_some() => misfit.words.unwrap_or_default(),
-            Wrong::Count | Wrong::Row(_) => format!("{} numbers", misfit.found),
-            Wrong::Rows => format!("{} rows", misfit.found),
-            _ => number(misfit.found).to_string(),
-        };
-        Refusal::new(path, found, misfit.allowed)
-    })
+        }
+    }
+    if !chosen.depends_on_slip() {
+        let found = format!("a memory of slip for {}", friction.law.name());
+        let allowed = "a memory where the value depends on the slip: slip_weakening, a table with slip, an expression of s";
+        return Err(Refusal::new(PATH, found, allowed));
+    }
+    Ok(chosen.with_kernel(SlipKernel::new(friction.memory.clone())))
 }

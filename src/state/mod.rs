@@ -158,6 +158,7 @@ impl State {
             has_normal: model.contact().has_normal,
             has_means: !model.tableau().ends_with_stage(),
             has_memory: model.friction().has_memory(),
+            kernel_terms: model.friction().kernel().terms().len(),
             coefficients: model.friction().start().len(),
             has_second: model.has_error_estimate(),
             can_lose_digits: model.can_lose_digits(model.largest_step()),

@@ -3,6 +3,7 @@
 use super::limit::WorkLimit;
 use super::memory::{Span, remembering};
 use super::pressed::{Level, PressedStage};
+use super::slip_memory;
 use super::workspace::Workspace;
 use crate::body::Stage;
 use crate::contact::law::{LawBounds, PressedLaw};
@@ -37,7 +38,7 @@ pub(super) fn solve(
     index: usize,
 ) -> Solved {
     let Some(pressed) = &mut ws.pressed else {
-        return solve_without_pressure(model, state, ws, theta_k, index);
+        return solve_without_pressure(model, state, ws, (theta_k, span), index);
     };
     let settings = model.solver();
     let weights = &model.contact().weights;
@@ -45,7 +46,8 @@ pub(super) fn solve(
     ws.before.take(&ws.velocities[index.saturating_sub(1)]);
     let law = model
         .friction()
-        .pressed(&state.coefficients, weights, theta_k);
+        .pressed(&state.coefficients, weights, theta_k)
+        .scaled(slip_memory::scale(model, span.length, theta_k));
     let bounds = remembering(law, ws.before.memory(model, span.length));
     let at = PressedStage {
         model,
@@ -125,11 +127,12 @@ fn solve_without_pressure(
     model: &Model,
     state: &mut State,
     ws: &mut Workspace,
-    theta_k: f64,
+    (theta_k, span): (f64, Span),
     index: usize,
 ) -> Solved {
     let body = model.body();
-    let bounds = model.friction().with(&state.coefficients);
+    let scale = slip_memory::scale(model, span.length, theta_k);
+    let bounds = model.friction().with(&state.coefficients).scaled(scale);
     let stage = ws.stages.current();
     let slip = &ws.explicit.accumulated_slip;
     let contact = problem(model, (stage, theta_k), &ws.condensed_load, &bounds, slip);
@@ -201,11 +204,12 @@ pub(super) fn test_multiplicity(
     model: &Model,
     state: &mut State,
     ws: &mut Workspace,
-    theta_k: f64,
+    (theta_k, span): (f64, Span),
     index: usize,
 ) {
     let settings = model.solver();
-    let bounds = model.friction().with(&state.coefficients);
+    let scale = slip_memory::scale(model, span.length, theta_k);
+    let bounds = model.friction().with(&state.coefficients).scaled(scale);
     let at = (ws.stages.current(), theta_k);
     let slip = &ws.explicit.accumulated_slip;
     let found = multiplicity::test(

@@ -21,6 +21,7 @@ pub(crate) mod relative;
 pub mod scheme;
 pub(crate) mod second;
 pub(crate) mod sizes;
+mod slip_memory;
 pub(crate) mod stage;
 pub(crate) mod step;
 mod tangent;

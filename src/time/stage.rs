@@ -6,6 +6,7 @@ use super::contact;
 use super::memory::{self, Span};
 use super::pressed::Level;
 use super::record::explicit_part;
+use super::slip_memory;
 use super::workspace::Workspace;
 use crate::error::{Error, Result};
 use crate::model::Model;
@@ -149,6 +150,9 @@ fn solve_stage(
     if let [cancelled] = &mut ws.velocities[index].instant.cancelled[..] {
         *cancelled = model.body().cancelled_norm(&ws.scratch);
     }
+    let before = &ws.velocities[index.saturating_sub(1)];
+    let slip = &mut ws.explicit.accumulated_slip;
+    slip_memory::set_base(model, before, (span.length, theta_k), slip);
     let solved = contact::solve(model, state, ws, (theta_k, level, span), index);
     let settings = model.solver();
     if !solved.converged && !solved.residual.is_finite() {
@@ -170,7 +174,7 @@ fn solve_stage(
         return Err(fault);
     }
     if model.has_multiplicity_test() && ws.pressed.is_none() {
-        contact::test_multiplicity(model, state, ws, theta_k, index);
+        contact::test_multiplicity(model, state, ws, (theta_k, span), index);
     }
     let entry = &mut state.report;
     entry[report::ITERATIONS] += solved.iterations as f64;
@@ -184,6 +188,8 @@ fn solve_stage(
     correct(model, ws, theta_k, index);
     if index > 0 {
         memory::advance(model, state, &ws.before, span, &mut ws.velocities[index]);
+        let (known, rest) = ws.velocities.split_at_mut(index);
+        slip_memory::advance(model, &known[index - 1], span.step, &mut rest[0]);
     }
     Ok(())
 }

@@ -5,6 +5,7 @@ use super::memory::{Span, bound_slopes, remembering, state_slopes};
 use super::pressed::{Level, PressedStage, scatter};
 use super::relative::Relative;
 use super::scheme::MAX_STAGES;
+use super::slip_memory;
 use super::velocity::Velocity;
 use super::workspace::{Explicit, LoadCourse, Workspace};
 use crate::contact::pressed::PressedProblem;
@@ -112,16 +113,21 @@ impl Tangents {
         (theta_k, level, span): (f64, Level, Span),
         index: usize,
     ) -> Result<()> {
+        let previous = index.saturating_sub(1);
+        let slip = &mut ws.explicit.accumulated_slip;
+        let at = (span.length, theta_k);
+        slip_memory::set_base(model, &ws.velocities[previous], at, slip);
+        let scale = slip_memory::scale(model, span.length, theta_k);
         let solution = &ws.velocities[index].instant;
         let stage = ws.stages.get(model.body(), theta_k, &mut ws.scratch)?;
-        let bounds = model.friction().with(&state.coefficients);
+        let bounds = model.friction().with(&state.coefficients).scaled(scale);
         let weights = &model.contact().weights;
-        let previous = index.saturating_sub(1);
         ws.before.take(&ws.velocities[previous]);
         let memory = ws.before.memory(model, span.length);
         let law = model
             .friction()
-            .pressed(&state.coefficients, weights, theta_k);
+            .pressed(&state.coefficients, weights, theta_k)
+            .scaled(scale);
         let pressed_bounds = remembering(law, memory);
         let at = PressedStage {
             model,
@@ -146,6 +152,9 @@ impl Tangents {
         };
         let dr = &mut self.condensed_load;
         for tangent in &mut self.list {
+            let slip = &mut tangent.explicit.accumulated_slip;
+            let before = &tangent.velocities[previous];
+            slip_memory::set_base(model, before, (span.length, theta_k), slip);
             if let Some(memory) = &memory {
                 bound_slopes(
                     (law, memory),
@@ -201,6 +210,10 @@ impl Tangents {
                 velocity,
                 &mut ws.scratch,
             );
+            if index > 0 {
+                let (known, rest) = tangent.velocities.split_at_mut(index);
+                slip_memory::advance(model, &known[previous], span.step, &mut rest[0]);
+            }
             if let (Some(memory), true) = (ws.before.memory(model, span.step), index > 0) {
                 let rates = &ws.velocities[index].magnitude;
                 let (known, rest) = tangent.velocities.split_at_mut(index);

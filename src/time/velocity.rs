@@ -16,6 +16,8 @@ pub(crate) struct Velocity {
     pub load: Vec<f64>,
     /// State of the friction law there, where it has one.
     pub friction_state: Vec<f64>,
+    /// Fading memory of slip there, m, where the law has a kernel: its terms, node by node.
+    pub slip_memory: Vec<f64>,
     can_open: bool,
 }
 
@@ -27,6 +29,7 @@ impl Velocity {
             magnitude: vec![0.0; sizes.nodes],
             load: vec![0.0; sizes.inputs],
             friction_state: vec![0.0; sizes.memory()],
+            slip_memory: vec![0.0; sizes.slip_memory()],
             can_open: !model.contact().gaps.is_empty(),
         }
     }
@@ -36,6 +39,7 @@ impl Velocity {
         self.instant.copy_blocks(&state.main.instant, |_| true);
         self.friction_state
             .copy_from_slice(&state.main.friction_state);
+        self.slip_memory.copy_from_slice(&state.main.slip_memory);
         self.set_magnitudes();
     }
 
@@ -79,6 +83,7 @@ impl Velocity {
             .main
             .friction_state
             .copy_from_slice(&self.friction_state);
+        state.main.slip_memory.copy_from_slice(&self.slip_memory);
     }
 
     pub fn copy_from(&mut self, other: &Velocity) {
@@ -86,6 +91,7 @@ impl Velocity {
         self.magnitude.copy_from_slice(&other.magnitude);
         self.load.copy_from_slice(&other.load);
         self.friction_state.copy_from_slice(&other.friction_state);
+        self.slip_memory.copy_from_slice(&other.slip_memory);
     }
 
     /// The mean over a step (weights b_j) of what energies and means are made of, at its start and its stages.

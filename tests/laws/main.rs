@@ -8,6 +8,7 @@ mod problems;
 mod quadrature;
 mod rate_and_state;
 mod scenes;
+mod slip_memory;
 
 use common::random::Random;
 use quadrature::integral;

@@ -32,6 +32,7 @@ fn text(chosen: &ChosenLaw) -> String {
     let friction = Friction {
         law: chosen.law(),
         coefficients: given.collect(),
+        memory: Vec::new(),
     };
     serde_json::to_string(&friction).unwrap()
 }

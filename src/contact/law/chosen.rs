@@ -3,7 +3,8 @@
 use super::coulomb::Coulomb;
 use super::formula::Formula;
 use super::{
-    At, Coefficients, FrictionLaw, Given, Law, MemoryPath, Misfit, Place, PressedLaw, Role, Wrong,
+    At, Coefficients, FrictionLaw, Given, Law, MemoryPath, Misfit, Place, PressedLaw, Role,
+    SlipKernel, Wrong,
 };
 use crate::contact::bounds::Bounds;
 use crate::contact::evaluation::{Evaluation, NodalLaw, Nodes, SlipPath};
@@ -17,6 +18,7 @@ pub struct ChosenLaw {
     places: Vec<Place>,
     start: Vec<f64>,
     formula: Option<Formula>,
+    kernel: SlipKernel,
 }
 
 impl ChosenLaw {
@@ -72,9 +74,26 @@ impl ChosenLaw {
             places,
             start,
             formula,
+            kernel: SlipKernel::default(),
         };
         law.kind().check(chosen.coefficients(&chosen.start))?;
         Ok(chosen)
+    }
+
+    /// The same with a fading memory of slip in place of the accumulated slip.
+    pub fn with_kernel(self, kernel: SlipKernel) -> ChosenLaw {
+        ChosenLaw { kernel, ..self }
+    }
+
+    /// The kernel of the slip; empty where the law takes the accumulated slip.
+    pub fn kernel(&self) -> &SlipKernel {
+        &self.kernel
+    }
+
+    /// Whether the law depends on the slip.
+    pub fn depends_on_slip(&self) -> bool {
+        let kind = self.law.kind();
+        kind.depends_on_slip(self.coefficients(&self.start))
     }
 
     /// The law.
@@ -134,6 +153,7 @@ impl ChosenLaw {
         LawBounds {
             law: self.law.kind(),
             coefficients: self.coefficients(values),
+            slip_scale: 1.0,
         }
     }
 
@@ -207,13 +227,20 @@ fn check_range(law: Law, coefficient: usize, values: &[f64]) -> std::result::Res
 pub struct LawBounds<'a> {
     law: &'static dyn FrictionLaw,
     coefficients: Coefficients<'a>,
+    /// What the slip of the contact problem is multiplied by.
+    slip_scale: f64,
 }
 
 impl LawBounds<'_> {
+    /// The same in a contact problem whose slip is to be multiplied by this.
+    pub fn scaled(self, slip_scale: f64) -> Self {
+        LawBounds { slip_scale, ..self }
+    }
+
     fn at(&self, node: usize, rate: f64, slip: SlipPath) -> At<'_> {
         At {
             rate,
-            slip,
+            slip: slip.scaled(self.slip_scale),
             coefficients: self.coefficients,
             node,
             pressure: 0.0,
@@ -260,14 +287,28 @@ impl Bounds for LawBounds<'_> {
     }
 
     fn slip_slope(&self, node: usize, rate: f64, slip: SlipPath) -> f64 {
-        self.law.slip_slope(&self.at(node, rate, slip))
+        self.slip_scale * self.law.slip_slope(&self.at(node, rate, slip))
     }
 
     fn fill(&self, nodes: Nodes, out: &mut NodalLaw) {
-        self.law.fill(self.coefficients, nodes, out);
+        if self.slip_scale == 1.0 {
+            self.law.fill(self.coefficients, nodes, out);
+        } else {
+            out.fill(nodes, |node, rate, slip| self.evaluate(node, rate, slip));
+        }
     }
 
     fn largest_at_rest(&self, nodes: Nodes) -> f64 {
-        self.law.largest_at_rest(self.coefficients, nodes)
+        if self.slip_scale == 1.0 {
+            return self.law.largest_at_rest(self.coefficients, nodes);
+        }
+        let bounds = nodes.weights.iter().enumerate().map(|(node, weight)| {
+            let slip = SlipPath {
+                base: nodes.slip_base[node],
+                per_rate: nodes.per_rate,
+            };
+            weight * self.at_rest(node, slip)
+        });
+        bounds.fold(0.0, f64::max)
     }
 }

@@ -5,6 +5,7 @@
 //! below zero is cut at zero on a solver's way, and a solution that lies there is refused: the step fails, and the state is as it
 //! was. One that is not finite fails as forces that overflow.
 
+use super::formula::Formula;
 use super::{At, Coefficient, Coefficients, Extent, FrictionLaw, Range, Unit, Value};
 use crate::contact::evaluation::Evaluation;
 
@@ -35,6 +36,10 @@ impl FrictionLaw for Expression {
 
     fn has_potential(&self) -> bool {
         false
+    }
+
+    fn depends_on_slip(&self, coefficients: Coefficients) -> bool {
+        coefficients.formula().is_some_and(Formula::uses_slip)
     }
 
     fn evaluate(&self, at: &At) -> Evaluation {

@@ -6,6 +6,7 @@ use crate::message::number;
 
 /// Variables of the formula of a law: slip rate m/s, accumulated slip m, pressure Pa, coordinates m. Derivatives are by the first three.
 pub const VARIABLES: [&str; 6] = ["r", "s", "p", "x", "y", "z"];
+const SLIP: usize = 1;
 const FIRST_COORDINATE: usize = 3;
 
 /// Samples of the slip rate, m/s, and of accumulated slip, m, and pressure, Pa: 0 and powers of ten between these exponents, with
@@ -88,6 +89,11 @@ impl Formula {
             formula.curves.push(curve);
         }
         Ok(formula)
+    }
+
+    /// Whether the accumulated slip is in it.
+    pub fn uses_slip(&self) -> bool {
+        self.program.uses(SLIP)
     }
 
     /// How many nodes differ.

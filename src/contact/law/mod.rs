@@ -30,6 +30,7 @@ mod misfit;
 mod named;
 mod pressed;
 mod rate_and_state;
+mod slip_memory;
 mod slip_weakening;
 mod stribeck;
 mod surface;
@@ -44,6 +45,7 @@ pub use memory::{Memory, MemoryPath};
 pub use misfit::{Misfit, Wrong};
 pub use named::{Law, Role};
 pub use pressed::PressedLaw;
+pub use slip_memory::{KernelTerm, SlipKernel};
 
 use super::evaluation::{Evaluation, NodalLaw, Nodes, SlipPath};
 use std::fmt;
@@ -140,6 +142,11 @@ pub trait FrictionLaw: Sync {
     /// Whether the law has a potential. One without is solved as bounds under normal forces are, also where it knows no pressure.
     fn has_potential(&self) -> bool {
         true
+    }
+
+    /// Whether the value depends on the slip: only then a kernel of the slip means something.
+    fn depends_on_slip(&self, _coefficients: Coefficients) -> bool {
+        false
     }
 
     /// State of a node at the start, s, positive; `None` for a law without memory.

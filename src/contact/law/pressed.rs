@@ -15,6 +15,8 @@ pub struct PressedLaw<'a> {
     weights: &'a [f64],
     per_rate: f64,
     memory: Option<Memory<'a>>,
+    /// What the slip of the contact problem is multiplied by.
+    slip_scale: f64,
 }
 
 impl<'a> PressedLaw<'a> {
@@ -32,6 +34,7 @@ impl<'a> PressedLaw<'a> {
             weights,
             per_rate,
             memory: None,
+            slip_scale: 1.0,
         }
     }
 
@@ -41,6 +44,11 @@ impl<'a> PressedLaw<'a> {
             memory: Some(memory),
             ..self
         }
+    }
+
+    /// The same in a contact problem whose slip is to be multiplied by this.
+    pub fn scaled(self, slip_scale: f64) -> PressedLaw<'a> {
+        PressedLaw { slip_scale, ..self }
     }
 
     /// The memory of a node.
@@ -59,7 +67,7 @@ impl<'a> PressedLaw<'a> {
     ) -> At<'_> {
         At {
             rate,
-            slip,
+            slip: slip.scaled(self.slip_scale),
             coefficients: self.coefficients,
             node,
             pressure,

@@ -50,6 +50,10 @@ impl FrictionLaw for SlipWeakening {
         &DECLARED
     }
 
+    fn depends_on_slip(&self, _coefficients: Coefficients) -> bool {
+        true
+    }
+
     fn evaluate(&self, at: &At) -> Evaluation {
         Node::at(&at.coefficients, at.node).along(at.slip, at.rate)
     }

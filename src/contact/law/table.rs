@@ -115,6 +115,10 @@ impl FrictionLaw for Table {
         increasing(SLIP, slips, "slips that increase")
     }
 
+    fn depends_on_slip(&self, coefficients: Coefficients) -> bool {
+        !coefficients.values(SLIP).is_empty()
+    }
+
     fn evaluate(&self, at: &At) -> Evaluation {
         let scale = at.coefficient(SCALE);
         match Surface::of(at.coefficients) {

@@ -182,8 +182,13 @@ fn slip(problem: &PressedProblem, node: usize, v: &[f64], p: f64) -> Option<Slip
         return Some(slip);
     }
     let path = problem.slip_path(node);
+    // at one slip, whatever share of it the stage adds
+    let total = path.base + path.per_rate * rate;
     let along_slip = |per_rate: f64| {
-        let path = SlipPath { per_rate, ..path };
+        let path = SlipPath {
+            base: total - per_rate * rate,
+            per_rate,
+        };
         problem.bounds.evaluate(node, rate, p, path).by_rate
     };
     let by_slip = along_slip(1.0) - along_slip(0.0);

@@ -4,7 +4,7 @@
 
 mod schema;
 
-use crate::contact::law::{Coefficient, Extent, Given, Law, Omitted, Role};
+use crate::contact::law::{Coefficient, Extent, Given, KernelTerm, Law, Omitted, Role};
 use serde::de::Error as _;
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -19,11 +19,19 @@ const EXPRESSION: &str = "expression";
 /// Key of the choice that tension bounds the friction too.
 const TENSION: &str = "tension";
 
+/// Key of the memory of slip, and of its kernel.
+const MEMORY: &str = "memory";
+const KERNEL: &str = "kernel";
+const WEIGHT: &str = "weight";
+const TAU: &str = "tau";
+
 /// Friction law of the contact and its coefficients, in the order in which the law declares them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Friction {
     pub law: Law,
     pub coefficients: Vec<Given>,
+    /// Kernel by which the law remembers slip, in place of the accumulated slip; empty for none.
+    pub memory: Vec<KernelTerm>,
 }
 
 impl Friction {
@@ -68,9 +76,18 @@ fn read(value: &Value) -> Option<Friction> {
     let Some(role) = Role::OF_KINDS.into_iter().find(is_named) else {
         let law = Law::find(Role::Own, name)?;
         let coefficients = read_list(law.kind().coefficients(), members, 1)?;
-        return Some(Friction { law, coefficients });
+        return Some(Friction {
+            law,
+            coefficients,
+            memory: Vec::new(),
+        });
     };
     let [_, key] = role.words()?;
+    let memory = match members.get(MEMORY) {
+        Some(value) => read_memory(value)?,
+        None => Vec::new(),
+    };
+    let has_memory = usize::from(members.contains_key(MEMORY));
     // beside the name of the law and the kind
     let (role, others) = match role {
         Role::Coulomb { .. } => {
@@ -79,21 +96,56 @@ fn read(value: &Value) -> Option<Friction> {
         }
         Role::Own | Role::Bound => (role, 2),
     };
+    let others = others + has_memory;
     match members.get(key)? {
         Value::Object(kind) if kind.contains_key("kind") => {
             let law = Law::find(role, kind.get("kind")?.as_str()?)?;
             let mut coefficients = read_list(law.kind().coefficients(), kind, 1)?;
             coefficients.extend(read_list(role.coefficients(), members, others)?);
-            Some(Friction { law, coefficients })
+            Some(Friction {
+                law,
+                coefficients,
+                memory,
+            })
         }
         value => {
             let law = Law::constant(role);
             let declared = law.coefficient(0);
             let mut coefficients = vec![read_given(declared.extent, value)?];
             coefficients.extend(read_list(role.coefficients(), members, others)?);
-            Some(Friction { law, coefficients })
+            Some(Friction {
+                law,
+                coefficients,
+                memory,
+            })
         }
     }
+}
+
+/// The terms of a memory.
+fn read_memory(value: &Value) -> Option<Vec<KernelTerm>> {
+    let members = value.as_object().filter(|members| members.len() == 1)?;
+    let terms = members.get(KERNEL)?.as_array()?;
+    let terms = terms.iter().map(|term| {
+        let members = term.as_object()?;
+        let tau = match members.get(TAU) {
+            Some(tau) => tau.as_f64()?,
+            None => f64::INFINITY,
+        };
+        let known = 1 + usize::from(members.contains_key(TAU));
+        let weight = members.get(WEIGHT)?.as_f64()?;
+        (members.len() == known).then_some(KernelTerm { weight, tau })
+    });
+    terms.collect()
+}
+
+/// A memory as a scene writes it.
+fn written_memory(terms: &[KernelTerm]) -> Value {
+    let terms = terms.iter().map(|term| match term.tau.is_finite() {
+        true => json!({ WEIGHT: term.weight, TAU: term.tau }),
+        false => json!({ WEIGHT: term.weight }),
+    });
+    json!({ KERNEL: terms.collect::<Vec<_>>() })
 }
 
 /// Declared coefficients among members of which so many others are allowed.
@@ -168,6 +220,9 @@ impl Serialize for Friction {
         }
         if let Role::Coulomb { tension: true } = role {
             map.serialize_entry(TENSION, &true)?;
+        }
+        if !self.memory.is_empty() {
+            map.serialize_entry(MEMORY, &written_memory(&self.memory))?;
         }
         map.end()
     }

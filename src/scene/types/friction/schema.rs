@@ -1,6 +1,6 @@
 //! The schema of friction: laws, and the kinds once for both uses.
 
-use super::{EXPRESSION, Friction, NODES, TENSION};
+use super::{EXPRESSION, Friction, KERNEL, MEMORY, NODES, TAU, TENSION, WEIGHT};
 use crate::contact::law::{Coefficient, Extent, FrictionLaw, KINDS, LAWS, Law, Omitted, Role};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde_json::{Map, Value, json};
@@ -69,6 +69,7 @@ fn of_kinds(role: Role, shared: &mut Shared) -> Option<Value> {
         let choice = json!({"type": "boolean", "description": meaning, "default": false});
         members.insert(TENSION.into(), choice);
     }
+    members.insert(MEMORY.into(), memory());
     Some(json!({
         "description": text,
         "type": "object",
@@ -76,6 +77,27 @@ fn of_kinds(role: Role, shared: &mut Shared) -> Option<Value> {
         "required": ["law", key],
         "additionalProperties": false,
     }))
+}
+
+/// Schema of the memory of slip.
+fn memory() -> Value {
+    let positive = |text: &str| json!({"type": "number", "format": "double", "exclusiveMinimum": 0, "description": text});
+    let term = json!({
+        "type": "object",
+        "properties": {
+            WEIGHT: positive("Weight of the term, without unit; positive."),
+            TAU: positive("Time over which the term forgets, s; positive, default: it does not forget."),
+        },
+        "required": [WEIGHT],
+        "additionalProperties": false,
+    });
+    json!({
+        "description": "Fading memory of slip: the law takes `int sum weight exp(-(t - s)/tau) |slip rate| ds` (m) in place of the accumulated slip.",
+        "type": "object",
+        "properties": {KERNEL: list(term)},
+        "required": [KERNEL],
+        "additionalProperties": false,
+    })
 }
 
 /// Schema of a law or kind: its name under `tag`, and its coefficients without those of a role.

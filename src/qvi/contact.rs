@@ -1,0 +1,141 @@
+//! The contact of a body as an inequality of the class.
+//!
+//! ```text
+//! strong form   sigma = A eps(w) + B eps(u),  u = u0 + int w,  |sigma_tau| <= g(|w_tau|, s),  s = int q |w_tau|
+//! inequality    (A w, v - w) + (B S_1 w, v - w) + sum_i omega_i g(|w_i|, (S_2 w)_i) (|v_i| - |w_i|) >= (f, v - w)
+//! ```
+//!
+//! X are the velocities of the free components with the inner product of the strains, `S_1 w = u0 + int w` the displacement, `S_2 w`
+//! the accumulated slip, or what the kernel of the law remembers of it (iota is `|w_tau|` at every contact node), phi is B, j the friction with nodal
+//! quadrature, K the whole space: the normal components of contact nodes have no number.
+//!
+//! The trapezoid on these histories (`Quadrature::Mean` where the law has a kernel) is the component's own scheme, so both give the same trajectory to the tolerances of their
+//! solvers; the tests compare them.
+
+use super::functional::{Coefficients, LinearPhi, Part};
+use super::{
+    ExponentialTerm, HistoryOperator, Inequality, Integrand, Kernel, Matrix, SolveError, Space,
+    SparseSymmetric,
+};
+use crate::contact::bounds::Bounds;
+use crate::contact::evaluation::SlipPath;
+use crate::contact::law::SlipKernel;
+use crate::fem::StrainNorm;
+use crate::model::Compilation;
+use nalgebra::DVector;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Components of the contact nodes among the unknowns.
+fn nodes(compilation: &Compilation) -> Vec<Range<usize>> {
+    let contact = &compilation.body.contact;
+    let first = compilation.body.dofs.contact_start();
+    let of_node = |node: usize| first + node * contact.components;
+    let all = 0..contact.node_count();
+    all.map(|node| of_node(node)..of_node(node + 1)).collect()
+}
+
+/// The inequality of a compiled scene, whose loads have the intensities `load(t)` (one per load of the scene, Pa or N/m^3).
+/// Unknowns are the velocities of the free components, in the order of `Compilation::body`; contact components are the last ones.
+///
+/// # Errors
+/// [`SolveError::Scene`] for what is not of this form: contact with normal components (pressure, gaps), driven parts, foundations
+/// that move, friction laws with a state of their own.
+pub fn of_scene(
+    compilation: &Compilation,
+    load: impl Fn(f64) -> Vec<f64> + 'static,
+) -> Result<Inequality, SolveError> {
+    let (model, body) = (Arc::clone(&compilation.model), &compilation.body);
+    let refused = [
+        (body.contact.has_normal, "contact with normal components"),
+        (!body.drives.shapes.is_empty(), "driven parts"),
+        (!body.foundation.is_empty(), "a foundation that moves"),
+        (model.friction().has_memory(), "a friction law with a state"),
+    ];
+    if let Some((_, what)) = refused.into_iter().find(|(is_there, _)| *is_there) {
+        return Err(SolveError::Scene { what });
+    }
+    let n = body.len();
+    let pattern = Arc::new(body.operators.clone());
+    let on_pattern =
+        |values: Vec<f64>| SparseSymmetric::on(Arc::clone(&pattern), values).map(Matrix::Sparse);
+    let a = on_pattern(pattern.a.clone())?;
+    let b = on_pattern(pattern.b.clone())?;
+    let strains = match &body.strain {
+        StrainNorm::Combination(x, y) => {
+            let mut values = vec![0.0; pattern.a.len()];
+            pattern.combine(*x, *y, &mut values);
+            values
+        }
+        StrainNorm::Assembled(values) => values.clone(),
+    };
+    let columns: Vec<_> = body.loads.iter().map(|load| load.entries.clone()).collect();
+    let force = move |t: f64| {
+        let mut force = DVector::zeros(n);
+        for (column, intensity) in columns.iter().zip(load(t)) {
+            for (component, value) in column {
+                force[*component] += intensity * value;
+            }
+        }
+        force
+    };
+    let mut problem = Inequality::new(Space::with_product(on_pattern(strains)?)?, a, force);
+    let nodes = nodes(compilation);
+    problem.histories = vec![
+        HistoryOperator::new(Kernel::constant(1.0), DVector::zeros(n)),
+        slip(kernel(model.friction().kernel()), nodes.clone()),
+    ];
+    problem.phi = Box::new(LinearPhi(vec![Some(b), None]));
+    problem.parts = nodes.iter().cloned().map(Part::friction).collect();
+    let certificate = model.certificate();
+    let beta = certificate.c0_squared * certificate.l_g;
+    let bounds = move |at: &[DVector<f64>], coefficients: &mut [f64]| {
+        // w and its histories: displacement, slip
+        let (w, slip) = (&at[0], &at[2]);
+        let friction = model.friction();
+        let law = friction.with(friction.start());
+        for (node, coefficient) in coefficients.iter_mut().enumerate() {
+            let path = SlipPath {
+                base: slip[node],
+                per_rate: 0.0,
+            };
+            let rate = length(w, &nodes[node]);
+            *coefficient += model.contact().weights[node] * law.evaluate(node, rate, path).bound;
+        }
+    };
+    problem.j = Box::new(Coefficients::new(beta, bounds));
+    Ok(problem)
+}
+
+/// The kernel of slip of a friction law.
+fn kernel(of_law: &SlipKernel) -> Kernel {
+    if of_law.is_empty() {
+        return Kernel::constant(1.0);
+    }
+    let terms = of_law.terms().iter().map(|term| ExponentialTerm {
+        weight: term.weight,
+        tau: term.tau,
+    });
+    Kernel::Exponentials(terms.collect())
+}
+
+/// The slip of the contact nodes as the kernel remembers it.
+fn slip(kernel: Kernel, nodes: Vec<Range<usize>>) -> HistoryOperator {
+    let count = nodes.len();
+    HistoryOperator {
+        integrand: Integrand::Map {
+            dimension: count,
+            // of the Euclidean norm; that of the strains has the trace constant in it
+            lipschitz: 1.0,
+            of: Box::new(move |w| DVector::from_fn(count, |node, _| length(w, &nodes[node]))),
+        },
+        ..HistoryOperator::new(kernel, DVector::zeros(count))
+    }
+}
+
+fn length(w: &DVector<f64>, components: &Range<usize>) -> f64 {
+    match components.len() {
+        1 => w[components.start].abs(),
+        _ => w.rows(components.start, components.len()).norm(),
+    }
+}
