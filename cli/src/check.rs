@@ -1,6 +1,7 @@
 //! `stickslip check`: what a scene offers a master, what guarantees its steps, and which step to choose.
 
 use crate::arguments::SceneChoice;
+use crate::check_material;
 use crate::closing::{self, figure};
 use crate::console;
 use crate::failure::Failure;
@@ -29,6 +30,7 @@ pub fn check(choice: &SceneChoice) -> Result<(), Failure> {
     let mut rows = closing::compiled(model.summary(), model);
     rows.extend(constants(model));
     rows.extend(step(scene, model));
+    rows.extend(check_material::advice(&compilation));
     let beyond = closing::exceeded_limit(model);
     let verdict = match beyond {
         Some(_) if !is_forced => "refused for its step",
@@ -170,9 +172,11 @@ fn step(scene: &Scene, model: &Model) -> Vec<(&'static str, String)> {
         ));
     }
     if fastest > 0.0 {
-        let found = match scene.time.scheme {
+        let found = match scene.scheme() {
             _ if product <= RESOLVED => "resolves the fastest relaxation",
-            Scheme::Trapezoid if product > RINGING => "rings: use a smaller step or tr_bdf2",
+            Scheme::Trapezoid if product > RINGING => {
+                "rings: use a smaller step, or tr_bdf2 (beyond k r = 4 in any case)"
+            }
             _ => "does not resolve the fastest relaxation",
         };
         rows.push((
@@ -187,7 +191,7 @@ fn step(scene: &Scene, model: &Model) -> Vec<(&'static str, String)> {
         ));
     }
     let lost = f64::EPSILON * product;
-    let keeps_velocity = matches!(scene.time.scheme, Scheme::Trapezoid | Scheme::TrBdf2);
+    let keeps_velocity = matches!(scene.scheme(), Scheme::Trapezoid | Scheme::TrBdf2);
     if keeps_velocity && lost > WORTH_A_WORD {
         rows.push((
             "lost digits",

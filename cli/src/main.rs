@@ -2,7 +2,9 @@
 
 mod arguments;
 mod body_picture;
+mod cell_fields;
 mod check;
+mod check_material;
 mod check_mesh;
 mod closing;
 mod console;

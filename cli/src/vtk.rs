@@ -1,8 +1,11 @@
 //! The deformed body at every communication point, as legacy VTK files and a `.vtk.series` index.
 //!
 //! Point data in global axes: `displacement` (m), `velocity` (m/s), `tangential_stress` on the body (Pa; zero off the
-//! contact), and where the scene has them `pressure` (Pa), `gap` (m) and `status` of the contact nodes. Nodes stand where they were before the deformation, cells are triangles, quadratic triangles or tetrahedra.
+//! contact), and where the scene has them `pressure` (Pa), `gap` (m) and `status` of the contact nodes.
+//! Cell data: `region` (its place in the list of the mesh), `strain_rate` (1/s), and of materials whose stress is that of the instant
+//! `stress` (Pa), with the point data `normal_stress` at the contact. Nodes stand where they were before the deformation, cells are triangles, quadratic triangles or tetrahedra.
 
+use crate::cell_fields::CellFields;
 use crate::course::Frame;
 use crate::failure::Failure;
 use num_traits::FromPrimitive;
@@ -73,13 +76,18 @@ impl Series {
             let name = name.trim_start_matches("contact.");
             point.push(Attribute::scalars(name, 1).with_data(scalars(body, values)));
         }
+        let fields = CellFields::new(body, &displacement, &velocity);
+        let mut cell = vec![
+            Attribute::scalars("region", 1).with_data(body.mesh.cell_regions.clone()),
+            Attribute::tensors("strain_rate").with_data(fields.strain_rate.concat()),
+        ];
+        let normal = scalars(body, &fields.normal_stress(body));
+        point.push(Attribute::scalars("normal_stress", 1).with_data(normal));
+        cell.push(Attribute::tensors("stress").with_data(fields.stress.concat()));
         let grid = UnstructuredGridPiece {
             points: body.mesh.nodes.concat().into(),
             cells: cells(body),
-            data: Attributes {
-                point,
-                cell: Vec::new(),
-            },
+            data: Attributes { point, cell },
         };
         let name = format!("{}_{:05}.vtk", self.stem, self.files.len());
         let path = self.folder.join(&name);

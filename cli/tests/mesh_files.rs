@@ -64,6 +64,36 @@ fn the_mesh_is_found_beside_the_scene() {
     );
 }
 
+/// Linear cells of a mesh without pattern lock where the material is nearly incompressible; its volume relaxes too fast for the step.
+#[test]
+fn what_incompressibility_asks_for_is_said() {
+    let shell = shell();
+    let linear = include_bytes!("../../tests/reference/bodies/shoe.msh");
+    std::fs::write(shell.folder.path().join("brake/shoe.msh"), linear).unwrap();
+    let check = |options: &[&str]| {
+        let all = [&["check", "brake/shoe.json"][..], options].concat();
+        shell.succeed(&all)
+    };
+    let soft = "materials[1].elasticity.poisson=0.4995";
+    let set = |options: &[&'static str]| -> Vec<&'static str> {
+        options.iter().flat_map(|o| ["--set", *o]).collect()
+    };
+    let said = check(&set(&[soft]));
+    assert!(said.contains("locking"), "{said}");
+    assert!(
+        said.contains("region \"lining\"") && said.contains("lambda/mu = 999.000"),
+        "{said}"
+    );
+    assert!(!check(&set(&[soft, "element=p2"])).contains("locking"));
+    assert!(!check(&[]).contains("locking"));
+    let said = check(&set(&[soft, "time.step=0.5"]));
+    assert!(
+        said.contains("stiff volume") && said.contains("mu1 / mu2"),
+        "{said}"
+    );
+    assert!(!check(&set(&["time.step=0.5"])).contains("stiff volume"));
+}
+
 #[test]
 fn a_mesh_file_is_checked_without_a_scene() {
     let shell = shell();

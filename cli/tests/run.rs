@@ -153,6 +153,15 @@ fn vtk_files_are_indexed() {
             let is_there = bytes.windows(mark.len()).any(|w| w == mark.as_bytes());
             assert!(is_there, "{name} has no {array}");
         }
+        for mark in [
+            "SCALARS region",
+            "SCALARS normal_stress double",
+            "TENSORS stress double",
+            "TENSORS strain_rate double",
+        ] {
+            let is_there = bytes.windows(mark.len()).any(|w| w == mark.as_bytes());
+            assert!(is_there, "{name} has no {mark}");
+        }
     }
     assert_eq!(files[5]["time"].as_f64(), Some(0.1));
 }

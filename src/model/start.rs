@@ -3,17 +3,16 @@
 use crate::bytes::{Reader, Writer};
 use crate::error::Result;
 use crate::fem::Body;
-use crate::state::{State, energy};
 
 /// The initial displacement as the contact and the ports see it.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct InitialState {
     /// Tangential displacements of the contact nodes, m.
-    slip: Vec<f64>,
+    pub slip: Vec<f64>,
     /// Their normal displacements into the body, m; empty without normal components.
-    normal: Vec<f64>,
+    pub normal: Vec<f64>,
     /// Work-conjugate integrals of the columns of forces, 0 for those of motions and for its own, then probes.
-    outputs: Vec<f64>,
+    pub outputs: Vec<f64>,
     /// Elastic energy, J.
     pub energy: f64,
 }
@@ -45,14 +44,6 @@ impl InitialState {
                 .collect(),
             energy: initial.energy,
         })
-    }
-
-    /// Puts a state that has no past there.
-    pub fn apply(&self, state: &mut State) {
-        state.slip.copy_from_slice(&self.slip);
-        state.main.normal_displacement.copy_from_slice(&self.normal);
-        state.output_displacement.copy_from_slice(&self.outputs);
-        state.energy[energy::ELASTIC] = self.energy;
     }
 
     pub fn write(of: Option<&InitialState>, out: &mut Writer) {

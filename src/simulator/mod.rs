@@ -112,9 +112,7 @@ impl Simulator {
             state.needs_settling = 0;
             input_course::start(model, state);
             state.start_memory(model);
-            if let Some(initial) = model.initial() {
-                initial.apply(state);
-            }
+            state.start_displacement(model);
             settle(model, state, ws, input_course::start_approach(model, state))?;
             second::start(model, state);
             control::start(model, state);

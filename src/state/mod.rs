@@ -200,6 +200,18 @@ impl State {
         }
     }
 
+    /// The body has the displacement that it starts with.
+    pub(crate) fn start_displacement(&mut self, model: &Model) {
+        if let Some(initial) = model.initial() {
+            self.slip.copy_from_slice(&initial.slip);
+            self.main
+                .normal_displacement
+                .copy_from_slice(&initial.normal);
+            self.output_displacement.copy_from_slice(&initial.outputs);
+            self.energy[energy::ELASTIC] = initial.energy;
+        }
+    }
+
     /// Zeros: the tangent of a state that depends on nothing yet.
     pub(crate) fn zero(model: &Model) -> State {
         let mut state = State::new(model);
