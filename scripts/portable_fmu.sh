@@ -12,7 +12,7 @@ target=${CARGO_TARGET_DIR:-target}
 PATH=$PWD/.venv-zig/bin:$PATH
 ulimit -n 8192 2>/dev/null || true
 host=$(rustc -vV | sed -n 's/^host: //p')
-cargo build --release
+cargo build --release --workspace
 cargo zigbuild --release --target "$host.2.17" -p stickslip-fmu --lib
 mkdir -p "$target/release/portable"
 # a new time: cargo keeps that of the last build

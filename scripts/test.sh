@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Installs what the tests need and runs everything: format, lints, documentation, all tests of the workspace, and the FMU in
-# its importers (Python). Builds with all features go into target/tests, so that what users run is never a test build.
+# Installs what the tests need and runs everything: format, lints, documentation, all tests of the workspace, the FMU in its
+# importers, and the Python package. Builds with all features go into target/tests, so that what users run is never a test build.
 # Needs a Rust toolchain; on Debian or Ubuntu the other tools are installed by apt when they are missing.
 # The last line is `N passed, N failed`; the exit status is 0 only when nothing failed.
 set -uo pipefail
@@ -86,6 +86,7 @@ check "documentation" documentation
 suite "tests" cargo test --workspace --all-features --release --no-fail-fast
 CARGO_TARGET_DIR=$target check "FMU library for old systems" sh scripts/portable_fmu.sh
 CARGO_TARGET_DIR=$target suite "FMU" sh scripts/test_fmu.sh
+CARGO_TARGET_DIR=$target suite "Python" sh scripts/test_python.sh
 
 echo "$passed passed, $failed failed"
 [ "$failed" -eq 0 ]

@@ -8,7 +8,8 @@ target=${CARGO_TARGET_DIR:-target}
 # The library that panics on request is built elsewhere, so that it is never the one that is packed: with the tests, whose
 # dependencies a build of its own would compile once more.
 CARGO_TARGET_DIR=$target/tests cargo test --release --workspace --all-features --no-run --quiet
-CARGO_TARGET_DIR=$target cargo build --release
+# all members, so that the wheel of the Python package finds everything compiled
+CARGO_TARGET_DIR=$target cargo build --release --workspace
 
 [ -x .venv/bin/python ] || python3 -m venv .venv
 .venv/bin/python -m pip install --quiet --disable-pip-version-check -r fmu/tests/requirements.txt -r fmu/loops/requirements.txt

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Writes THIRD-PARTY-NOTICES.txt: the crates that the libraries and FMUs of stickslip contain on any platform, with versions,
-licences and licence texts. Run it when Cargo.lock changes: python3 scripts/third_party_notices.py
+licences and licence texts; and python/THIRD-PARTY-NOTICES.txt, the same for the wheel of the Python package. Run it when Cargo.lock changes: python3 scripts/third_party_notices.py
 
 Where a crate offers the MIT licence it is taken under it; of the others all texts are given. Texts come from the sources of
 the crates; a crate without a file has the text of its licence with its authors. tests/third_party.rs compares the list with
@@ -13,7 +13,14 @@ import re
 import subprocess
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-MEMBERS = ["stickslip", "stickslip-fmu"]
+# file -> the crates of the workspace that what it comes with is made of, and what that is called
+NOTICES = {
+    "THIRD-PARTY-NOTICES.txt": (["stickslip", "stickslip-fmu"], "Its shared and static libraries and its FMUs contain"),
+    "python/THIRD-PARTY-NOTICES.txt": (
+        ["stickslip", "stickslip-cli", "stickslip-fmu", "stickslip-python"],
+        "The wheel of its Python package, with the command and the FMU library, contains",
+    ),
+}
 MIT = """MIT License
 
 Copyright (c) {holder}
@@ -38,7 +45,7 @@ SOFTWARE."""
 HEAD = """Third-party notices
 ===================
 
-stickslip itself is under the MIT licence (LICENSE). Its shared and static libraries and its FMUs contain compiled code of the
+stickslip itself is under the MIT licence (LICENSE). {what} compiled code of the
 Rust standard library and of the crates below, some of them only on some platforms.
 
 Made by scripts/third_party_notices.py from Cargo.lock.
@@ -54,13 +61,13 @@ def cargo(*arguments):
     return subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout
 
 
-def linked():
-    """Names and versions of the crates that are linked, on any platform."""
-    members = [word for name in MEMBERS for word in ("-p", name)]
+def linked(own):
+    """Names and versions of the crates that are linked into what consists of the members `own`, on any platform."""
+    members = [word for name in own for word in ("-p", name)]
     options = ["--locked", "--target", "all", "-e", "normal,no-proc-macro", "--prefix", "none", "-f", "{p}"]
     lines = cargo("tree", *members, "--features", "stickslip/capi", *options).splitlines()
     found = {tuple(line.split()[:2]) for line in lines if line.strip()}
-    return {(name, version.removeprefix("v")) for name, version in found if name not in MEMBERS}
+    return {(name, version.removeprefix("v")) for name, version in found if name not in own}
 
 
 def tidy(text):
@@ -87,14 +94,14 @@ def texts(package):
     return found
 
 
-def main():
-    wanted = linked()
+def write(file, own, what):
+    wanted = linked(own)
     packages = json.loads(cargo("metadata", "--locked", "--format-version", "1"))["packages"]
     packages = [p for p in packages if (p["name"], p["version"]) in wanted]
     packages.sort(key=lambda p: (p["name"], p["version"]))
     if len(packages) != len(wanted):
         raise SystemExit("cargo metadata does not know all crates of cargo tree")
-    head, by_text = HEAD, {MIT.format(holder="The Rust Project Contributors"): ["the Rust standard library"]}
+    head, by_text = HEAD.format(what=what), {MIT.format(holder="The Rust Project Contributors"): ["the Rust standard library"]}
     for package in packages:
         licence = package["license"].replace("/", " OR ")
         name = f"{package['name']} {package['version']}"
@@ -104,9 +111,13 @@ def main():
     body = "\nLicence texts\n-------------\n"
     for text, names in by_text.items():
         body += f"\n{'=' * 100}\nOf {', '.join(names)}:\n\n{text}\n"
-    path = ROOT / "THIRD-PARTY-NOTICES.txt"
-    path.write_text(head + body, encoding="utf-8")
-    print(f"{path.name}: {len(packages)} crates, {len(by_text)} texts")
+    (ROOT / file).write_text(head + body, encoding="utf-8")
+    print(f"{file}: {len(packages)} crates, {len(by_text)} texts")
+
+
+def main():
+    for file, (own, what) in NOTICES.items():
+        write(file, own, what)
 
 
 if __name__ == "__main__":

@@ -66,8 +66,10 @@ fn loading_a_model_takes_little_more_than_its_bytes() {
 #[test]
 fn steps_allocate_nothing() {
     let fixed_point = r#"{"kind": "fixed_point"}"#;
+    let memory = r#"[{"tau": 0.05, "law": "isotropic", "shear": 0.3, "bulk": 0.5}]"#;
     for (overrides, cells) in [
         (vec![("fidelity.model", "reduced")], 32),
+        (vec![("material.memory", memory)], 16),
         (vec![("time.scheme", "tr_bdf2")], 32),
         (vec![("fidelity.solver", fixed_point)], 16),
         (vec![("fidelity.multiplicity_test", "true")], 16),
@@ -103,6 +105,27 @@ fn steps_allocate_nothing() {
             simulator.get_outputs(&mut outputs).unwrap();
         }
         assert_eq!(COUNT.with(Cell::get) - before, 0, "{overrides:?}");
+    }
+}
+
+/// Nor does one of the condensed model, with memory or without, once its step sizes are known.
+#[test]
+fn steps_of_the_whole_mesh_allocate_nothing() {
+    let memory = r#"[{"tau": 0.05, "law": "isotropic", "shear": 0.3, "bulk": 0.5}, {"tau": 0.8, "law": "isotropic", "shear": 0.1, "bulk": 0}]"#;
+    for (memory, model) in [("[]", "condensed"), (memory, "condensed"), (memory, "full")] {
+        let overrides = [("material.memory", memory), ("fidelity.model", model)];
+        let mut simulator = Simulator::new(compile(&paper(16, &overrides)).unwrap());
+        simulator.init(0.0).unwrap();
+        let step = simulator.model().largest_step();
+        simulator.do_step(0.0, step).unwrap();
+        let before = COUNT.with(Cell::get);
+        for n in 0..60_u32 {
+            simulator
+                .set_inputs(&[-0.3 + 0.1 * f64::from(n).sin()])
+                .unwrap();
+            simulator.do_step(simulator.time(), step).unwrap();
+        }
+        assert_eq!(COUNT.with(Cell::get) - before, 0, "{model} {memory}");
     }
 }
 

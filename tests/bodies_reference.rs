@@ -29,6 +29,11 @@ const CASES: &[Case] = &[
     case("plate_hole_regions"),
     case("shoe_arc"),
     case("shoe_arc_p2"),
+    case("paper_prony"),
+    case("paper_prony_u0_be"),
+    case("pad_prony"),
+    case("pad3d_orthotropic_prony"),
+    case("plate_hole_graded"),
 ];
 
 /// All models, to seven digits.

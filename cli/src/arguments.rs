@@ -24,6 +24,8 @@ pub enum Command {
     Check(SceneChoice),
     /// Pack a scene as an FMU: the shared library, the compiled model, the description, a page, a reference run.
     Fmu(FmuOptions),
+    /// Run a scene many times with other values, in parallel, into one table.
+    Sweep(SweepOptions),
     /// Measure speed against accuracy: meshes, elements, steps, schemes, tolerances and models of a scene on its own signals,
     /// against a reference that is ten times as accurate.
     Tradeoff(TradeoffOptions),
@@ -80,6 +82,24 @@ pub struct RunOptions {
     /// Draw slip rate and stress along the contact, the stick-slip map and the energies (PNG and SVG).
     #[arg(long, value_name = "DIR")]
     pub plots: Option<PathBuf>,
+    /// Write one row per communication point with all inputs and all outputs that are no arrays: forces, energies, solver.
+    #[arg(long, value_name = "FILE")]
+    pub ports: Option<PathBuf>,
+    /// Write all inputs and outputs over time, and the contact nodes, for NumPy.
+    #[arg(long, value_name = "FILE")]
+    pub npz: Option<PathBuf>,
+    /// Write what the closing table says, as JSON; `-` is standard output.
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Save the state at the end of the run, and with --checkpoint on the way.
+    #[arg(long, value_name = "FILE")]
+    pub save_state: Option<PathBuf>,
+    /// Go on from a saved state of the same scene, bit for bit as the run would have gone on; its time is the first point.
+    #[arg(long, value_name = "FILE")]
+    pub load_state: Option<PathBuf>,
+    /// Save the state every N communication points too.
+    #[arg(long, value_name = "N", requires = "save_state", value_parser = clap::value_parser!(u64).range(1..))]
+    pub checkpoint: Option<u64>,
 }
 
 #[derive(Args)]
@@ -98,6 +118,38 @@ pub struct FmuOptions {
     /// The shared library to pack [default: the one built last beside this command, in deps/ or portable/].
     #[arg(long, value_name = "FILE")]
     pub library: Option<PathBuf>,
+}
+
+#[derive(Args)]
+pub struct SweepOptions {
+    #[command(flatten)]
+    pub choice: SceneChoice,
+    /// Vary a value of the scene: PATH=A:B:N (N numbers from A to B), PATH=A:B (to be sampled), either with `:log` at the end, or
+    /// PATH=VALUE,VALUE,...; may be repeated.
+    #[arg(long, value_name = "PATH=A:B:N", required = true)]
+    pub vary: Vec<String>,
+    /// How the runs are chosen: `grid`, `list` (all axes in step), `latin` (hypercube), `sobol`.
+    #[arg(long, value_name = "HOW", default_value = "grid")]
+    pub sampling: String,
+    /// Number of samples of `latin` and `sobol`.
+    #[arg(long, value_name = "N")]
+    pub runs: Option<usize>,
+    /// What samples are drawn with.
+    #[arg(long, value_name = "NUMBER", default_value = "0")]
+    pub seed: u32,
+    /// Record a port: PORT (its end), PORT:min, PORT:max or PORT:mean over the run; may be repeated [default: the ends of all
+    /// scalar outputs].
+    #[arg(long, value_name = "PORT")]
+    pub record: Vec<String>,
+    /// The table to write, .csv or .npz; `-` is standard output.
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// Number of threads [default: one per processor]; the table does not depend on it.
+    #[arg(long, value_name = "N", value_parser = parse_workers)]
+    pub workers: Option<usize>,
+    /// Go on with a sweep that was ended, from the rows in FILE.part.
+    #[arg(long)]
+    pub resume: bool,
 }
 
 #[derive(Args)]
@@ -147,6 +199,13 @@ fn parse_budget(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(seconds) if seconds.is_finite() && seconds >= 0.0 => Ok(seconds),
         _ => Err("expected a number, 0 or more".to_owned()),
+    }
+}
+
+fn parse_workers(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(workers) if (1..=4096).contains(&workers) => Ok(workers),
+        _ => Err("expected a number of threads, 1 to 4096".to_owned()),
     }
 }
 

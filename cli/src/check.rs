@@ -29,6 +29,7 @@ pub fn check(choice: &SceneChoice) -> Result<(), Failure> {
     let (scene, model) = (&compilation.scene, &compilation.model);
     let mut rows = closing::compiled(model.summary(), model);
     rows.extend(constants(model));
+    rows.extend(memories(scene));
     rows.extend(step(scene, model));
     rows.extend(check_material::advice(&compilation));
     let beyond = closing::exceeded_limit(model);
@@ -151,6 +152,17 @@ fn step_limit(limit: f64) -> String {
     }
 }
 
+/// What memory the materials have, and how well it meets what it was fitted to.
+fn memories(scene: &Scene) -> Vec<(&'static str, String)> {
+    let row = |(path, branches, error): (String, usize, Option<f64>)| {
+        let fit = error.map_or(String::new(), |error| {
+            format!(", fitted to {} % at worst", figure(100.0 * error, 2))
+        });
+        ("memory", format!("{path}: {branches} branches{fit}"))
+    };
+    scene.memories().into_iter().map(row).collect()
+}
+
 /// Relaxation rates and the step they ask for.
 fn step(scene: &Scene, model: &Model) -> Vec<(&'static str, String)> {
     let [slowest, fastest] = model.summary().rates;
@@ -158,7 +170,13 @@ fn step(scene: &Scene, model: &Model) -> Vec<(&'static str, String)> {
     let product = step * fastest;
     let mut rows = vec![(
         "relaxation rates",
-        format!("{} to {} 1/s", figure(slowest, 4), figure(fastest, 4)),
+        match fastest.is_finite() {
+            true => format!("{} to {} 1/s", figure(slowest, 4), figure(fastest, 4)),
+            false => format!(
+                "{} 1/s to infinite: a material has no dashpot; tr_bdf2 and backward_euler from start zero may run",
+                figure(slowest, 4)
+            ),
+        },
     )];
     if let Some(limit) = model.stability_limit() {
         let word = if step > limit { "UNSTABLE" } else { "stable" };
@@ -171,7 +189,7 @@ fn step(scene: &Scene, model: &Model) -> Vec<(&'static str, String)> {
             ),
         ));
     }
-    if fastest > 0.0 {
+    if fastest > 0.0 && fastest.is_finite() {
         let found = match scene.scheme() {
             _ if product <= RESOLVED => "resolves the fastest relaxation",
             Scheme::Trapezoid if product > RINGING => {

@@ -2,6 +2,7 @@
 
 use crate::course::{Effort, Frame, Multiplicity};
 use comfy_table::{LineStyle, Table, TableStyle, presets};
+use serde_json::{Value, json};
 use std::time::Duration;
 use stickslip::Model;
 use stickslip::message::{escaped, number};
@@ -64,6 +65,54 @@ impl Closing {
         } else {
             self.balance
         }
+    }
+
+    /// What the table says, as JSON; numbers that are not known are null.
+    pub fn json(&self, model: &Model, effort: &Effort) -> Value {
+        let (summary, c) = (model.summary(), model.certificate());
+        let errors = summary.reduction.as_ref().map(|record| record.achieved);
+        json!({
+            "name": summary.name,
+            "version": env!("CARGO_PKG_VERSION"),
+            "scene": serde_json::to_value(model.scene()).unwrap_or_default(),
+            "model": {
+                "kind": kind(summary.kind),
+                "dimension": summary.dimension,
+                "mesh_nodes": summary.mesh_nodes,
+                "mesh_cells": summary.mesh_cells,
+                "contact_nodes": model.contact().node_count(),
+                "free_dofs": summary.free_dofs,
+                "states": model.states(),
+                "reduction_error": errors,
+                "fallback": summary.fallback,
+                "lost_digits": summary.lost_digits,
+                "fingerprint": format!("{:016x}", model.fingerprint()),
+            },
+            "certificate": {
+                "is_step_unique": c.is_step_unique(),
+                "is_theorem_satisfied": c.is_theorem_satisfied(),
+                "largest_pressure": c.coulomb.as_ref().map(|_| c.largest_pressure()).filter(|p| p.is_finite()),
+                "stability_limit": model.stability_limit(),
+            },
+            "set_up_seconds": self.setup.as_secs_f64(),
+            "stepping_seconds": effort.stepping.as_secs_f64(),
+            "end": self.end,
+            "internal_steps": effort.internal_steps,
+            "refused_pairs": effort.refused_pairs,
+            "communication_steps": effort.iterations.len(),
+            "mean_iterations": effort.mean_iterations(),
+            "most_iterations": effort.most_iterations(),
+            "friction_residual": effort.residual,
+            "steps_at_rounding": effort.at_rounding,
+            "steps_with_lost_digits": effort.lossy,
+            "steps_with_several_solutions": effort.multiplicity.map(|found| found.steps),
+            "error_estimate": effort.error_estimate,
+            "energy_balance_error": self.relative_balance(),
+            "energy_turned_over": self.turnover,
+            "stick_fraction": [self.stick.0, self.stick.1],
+            "largest_slip_rate": self.fastest.0,
+            "largest_slip_rate_at": self.fastest.1,
+        })
     }
 
     pub fn table(&self, model: &Model, effort: &Effort) -> String {

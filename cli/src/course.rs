@@ -89,7 +89,8 @@ impl Effort {
     }
 }
 
-/// Steps the scene and shows every communication point, the start included, to `observe`.
+/// Steps the scene, from its start or (a simulator that has been restored) from where it stands, and shows every communication point, the first
+/// one included, to `observe`.
 pub fn follow(
     scene: &Scene,
     source_name: &str,
@@ -101,7 +102,12 @@ pub fn follow(
     if scene.fidelity.multiplicity_test {
         effort.multiplicity = Some(Multiplicity::default());
     }
-    let mut drive = Drive::start(scene, simulator).map_err(&failed)?;
+    let before = simulator.internal_steps();
+    let mut drive = match simulator.is_initialized() {
+        true => Drive::resume(scene, simulator),
+        false => Drive::start(scene, simulator),
+    }
+    .map_err(&failed)?;
     observe(
         drive.simulator(),
         &frame(drive.simulator()).map_err(&failed)?,
@@ -134,7 +140,7 @@ pub fn follow(
         }
         observe(simulator, &frame(simulator).map_err(&failed)?)?;
     }
-    effort.internal_steps = simulator.internal_steps();
+    effort.internal_steps = simulator.internal_steps() - before;
     effort.refused_pairs = simulator.refused_pairs();
     Ok(effort)
 }

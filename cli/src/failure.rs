@@ -23,6 +23,13 @@ pub enum Failure {
         source_name: String,
         error: Box<PackageError>,
     },
+    /// Runs of a sweep that failed; the table says which.
+    Runs {
+        source_name: String,
+        failed: usize,
+        of: usize,
+        first: String,
+    },
     /// An option that another one rules out.
     Option(&'static str),
     /// An abstract inequality was not solved.
@@ -71,6 +78,12 @@ impl fmt::Display for Failure {
                 format!("{}: cannot {doing}: {why}", path.display())
             }
             Failure::Package { source_name, error } => format!("{source_name}: {error}"),
+            Failure::Runs {
+                source_name,
+                failed,
+                of,
+                first,
+            } => format!("{source_name}: {failed} of {of} runs failed; {first}"),
             Failure::Inequality(error) => error.to_string(),
             Failure::Option(why) => (*why).to_owned(),
             Failure::NoScene { name } => {

@@ -6,13 +6,13 @@ use crate::failure::Failure;
 use crate::source;
 use crate::standard;
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use stickslip::message::escaped;
 use stickslip::{Files, Scene};
 use stickslip_fmu::{FmiVersion, Options, PackageError, Packed, package};
 
-/// `stickslip fmu`.
-pub fn run(options: &FmuOptions) -> Result<(), Failure> {
+/// `stickslip fmu`; `library` is packed where the options name none.
+pub fn run(options: &FmuOptions, library: Option<PathBuf>) -> Result<(), Failure> {
     if options.scalar && options.fmi == Fmi::Two {
         return Err(Failure::Option(
             "--scalar is for --fmi 3: FMI 2 has no arrays",
@@ -29,7 +29,7 @@ pub fn run(options: &FmuOptions) -> Result<(), Failure> {
                 Fmi::Three => FmiVersion::Fmi3,
             },
             is_scalar: options.scalar,
-            library: options.library.clone(),
+            library: options.library.clone().or(library),
             source_name: name,
         },
     )?;
@@ -45,7 +45,7 @@ pub fn run(options: &FmuOptions) -> Result<(), Failure> {
     let text = format!(
         "{place}: FMI {version}, {:.1} MB; {}",
         packed.bytes.len() as f64 / 1e6,
-        library(&packed)
+        library_of(&packed)
     );
     console::say_beside(Some(&options.output), &escaped(&text))
 }
@@ -70,7 +70,7 @@ pub fn write(path: &Path, packed: &Packed) -> Result<(), Failure> {
 }
 
 /// Which library is in the FMU, and the oldest system that loads it.
-pub fn library(packed: &Packed) -> String {
+pub fn library_of(packed: &Packed) -> String {
     let folder = packed.library.parent().and_then(Path::file_name);
     let kind = if folder.is_some_and(|f| f == "portable") {
         "portable"

@@ -6,14 +6,15 @@ use crate::failure::Failure;
 use crate::fmu;
 use crate::paper::{self, example};
 use crate::run_pictures;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use stickslip::{NoFiles, Scene};
 use stickslip_fmu::Options;
 
 /// Where everything goes.
 const OUT: &str = "out";
 
-pub fn run() -> Result<(), Failure> {
+/// Does it; `library` is the FMU library that is packed, or else the one beside the executable.
+pub fn run(library: Option<PathBuf>) -> Result<(), Failure> {
     let out = Path::new(OUT);
     let scene = example::scene(&[])?;
     let finished = example::finish(&scene)?;
@@ -27,14 +28,15 @@ pub fn run() -> Result<(), Failure> {
     run_pictures::draw(out, &scene, contact, &finished.frames)?;
     console::say(&paper::figures(out)?)?;
     console::say(&format!("\nwritten to {OUT}/"))?;
-    console::say(&fmu_of(&scene, out)?)
+    console::say(&fmu_of(&scene, out, library)?)
 }
 
 /// Packs the example and says how to load it. A command that was copied away from its libraries has none to pack: the rest
 /// of the job stands, and the line says why there is no FMU.
-fn fmu_of(scene: &Scene, out: &Path) -> Result<String, Failure> {
+fn fmu_of(scene: &Scene, out: &Path, library: Option<PathBuf>) -> Result<String, Failure> {
     let options = Options {
         source_name: example::NAME.to_owned(),
+        library,
         ..Options::default()
     };
     let packed = match fmu::pack(scene, &NoFiles, options) {
@@ -49,6 +51,6 @@ fn fmu_of(scene: &Scene, out: &Path) -> Result<String, Failure> {
         "FMU (FMI 3.0, {}): {path}\n  python3 -m venv .venv && .venv/bin/pip install 'fmpy[plot]==0.3.32'\n  \
          .venv/bin/python -c \"import fmpy; r = fmpy.simulate_fmu('{path}', output=['contact.slip_rate', \
          'contact.stick_fraction']); print(r['contact.stick_fraction'])\"",
-        fmu::library(&packed)
+        fmu::library_of(&packed)
     ))
 }

@@ -12,7 +12,7 @@ pub struct Condensed(pub Field);
 
 impl BodyModel for Condensed {
     fn states(&self) -> usize {
-        self.0.len()
+        self.0.states()
     }
 
     fn contact_len(&self) -> usize {
@@ -34,11 +34,12 @@ impl BodyModel for Condensed {
     }
 
     fn predict(&self, stage: &Stage, p: &[f64], f: &[f64], r: &mut [f64], scratch: &mut Scratch) {
-        self.0.load(p, f, &mut scratch.work);
+        self.0
+            .load(stage, p, f, &mut scratch.work, &mut scratch.lags);
         self.0
             .cholesky
             .eliminate(&stage.factor, &scratch.work, &mut scratch.free);
-        let interior = self.states() - self.contact_len();
+        let interior = self.0.len() - self.contact_len();
         r.copy_from_slice(&scratch.free[interior..]);
     }
 
@@ -50,17 +51,19 @@ impl BodyModel for Condensed {
         w: &mut [f64],
         scratch: &mut Scratch,
     ) {
-        let interior = self.states() - self.contact_len();
+        let interior = self.0.len() - self.contact_len();
         // the forward pass must survive: the fixed point corrects at every iterate
         scratch.work.copy_from_slice(&scratch.free);
         scratch.work[interior..].copy_from_slice(contact_velocity);
+        let (own, branches) = w.split_at_mut(self.0.len());
         self.0
             .cholesky
-            .substitute_back(&stage.factor, &mut scratch.work, w);
+            .substitute_back(&stage.factor, &mut scratch.work, own);
+        self.0.correct_branches(stage, own, &scratch.lags, branches);
     }
 
     fn products(&self, x: &[f64]) -> (f64, f64) {
-        self.0.operators.product(x, x)
+        self.0.products(x)
     }
 
     fn strain_square(&self, x: &[f64]) -> f64 {

@@ -1,9 +1,18 @@
 //! What the full and the condensed model share: the sparse operators, their symbolic factor, loads and outputs.
+//!
+//! A state is the displacement u and, for every branch of the memory, the strain of its dashpot as a field q_j. A stage eliminates
+//! them:
+//!
+//! ```text
+//! M = A + theta k B + sum_j tau_j theta k / (tau_j + theta k) C_j
+//! M w = F f - B p - sum_j tau_j / (tau_j + theta k) C_j (p - p_j) - E Lambda
+//! q_j' = (p - p_j + theta k w) / (tau_j + theta k)
+//! ```
 
 use crate::body::{Scratch, Stage};
 use crate::bytes::{LARGEST, Reader, Writer, is_usable};
 use crate::error::Result;
-use crate::fem::{Body, OperatorPair, StrainNorm};
+use crate::fem::{Body, BranchOperator, OperatorPair, StrainNorm};
 use crate::linalg::{DenseCholesky, SparseCholesky};
 
 /// Right-hand sides solved together when the contact compliance is built.
@@ -57,6 +66,20 @@ impl Field {
         self.operators.n
     }
 
+    /// Length of a state.
+    pub fn states(&self) -> usize {
+        self.len() * (1 + self.operators.memory.len())
+    }
+
+    /// The fields of the branches of the memory in a state, or in what follows its displacement.
+    fn branches<'a>(
+        &'a self,
+        fields: &'a [f64],
+    ) -> impl Iterator<Item = (&'a BranchOperator, &'a [f64])> {
+        let fields = fields.chunks_exact(self.len());
+        self.operators.memory.iter().zip(fields)
+    }
+
     /// Factors `A + theta_k B` into `stage.factor`.
     ///
     /// # Errors
@@ -71,9 +94,19 @@ impl Field {
         )
     }
 
-    /// `out = F f - B p`.
-    pub fn load(&self, p: &[f64], f: &[f64], out: &mut [f64]) {
-        self.operators.apply(&self.operators.b, p, out);
+    /// `out = F f - B p`, with what the memory adds; `lags` become `p - p_j`.
+    pub fn load(&self, stage: &Stage, p: &[f64], f: &[f64], out: &mut [f64], lags: &mut [f64]) {
+        let (own, fields) = p.split_at(self.len());
+        self.operators.apply(&self.operators.b, own, out);
+        let implicit = stage.implicit();
+        let lags = lags.chunks_exact_mut(self.len());
+        for ((branch, field), lag) in self.branches(fields).zip(lags) {
+            for ((lag, p), q) in lag.iter_mut().zip(own).zip(field) {
+                *lag = p - q;
+            }
+            let weight = branch.lag_weight(1.0, implicit);
+            self.operators.add_product(weight, &branch.c, lag, out);
+        }
         out.iter_mut().for_each(|v| *v = -*v);
         for (column, intensity) in self.loads.iter().zip(f) {
             for &(dof, value) in column {
@@ -82,10 +115,43 @@ impl Field {
         }
     }
 
+    /// The rates of the branches' fields from the velocity of the body and the explicit lags.
+    pub fn correct_branches(&self, stage: &Stage, w: &[f64], lags: &[f64], out: &mut [f64]) {
+        let implicit = stage.implicit();
+        let out = out.chunks_exact_mut(self.len());
+        for ((branch, lag), out) in self.branches(lags).zip(out) {
+            let scale = branch.tau + implicit;
+            for ((out, lag), w) in out.iter_mut().zip(lag).zip(w) {
+                *out = (lag + implicit * w) / scale;
+            }
+        }
+    }
+
+    /// `(x.A x, x.B x)` of a state, with the memory: for velocities what is dissipated, for displacements twice what is stored.
+    pub fn products(&self, x: &[f64]) -> (f64, f64) {
+        let (own, fields) = x.split_at(self.len());
+        let operators = &self.operators;
+        let (mut a, mut b) = operators.product(own, own);
+        for (branch, field) in self.branches(fields) {
+            a += branch.tau * operators.square(&branch.c, field);
+            b += operators.square_of_difference(&branch.c, own, field);
+        }
+        (a, b)
+    }
+
+    /// `u.(B + sum C_j) u` of a displacement of the body alone.
+    pub fn glassy_square(&self, u: &[f64]) -> f64 {
+        let springs = self.operators.memory.iter();
+        let springs = springs.map(|branch| self.operators.square(&branch.c, u));
+        self.operators.product(u, u).1 + springs.sum::<f64>()
+    }
+
     /// The square of the strain norm, where it is assembled.
     pub fn strain_square(&self, x: &[f64]) -> f64 {
         let values = self.strain.as_deref();
-        values.map_or(f64::NAN, |values| self.operators.square(values, x))
+        values.map_or(f64::NAN, |values| {
+            self.operators.square(values, &x[..self.len()])
+        })
     }
 
     pub fn outputs(&self, x: &[f64], out: &mut [f64]) {
@@ -94,9 +160,9 @@ impl Field {
         }
     }
 
-    /// Multiplications of `B p`: the lower triangle serves both halves.
+    /// Multiplications of `B p` and of the branches: the lower triangle serves both halves.
     pub fn applications(&self) -> usize {
-        2 * self.operators.row_idx.len()
+        2 * self.operators.row_idx.len() * (1 + self.operators.memory.len())
     }
 
     pub fn scratch(&self) -> Scratch {
@@ -104,6 +170,7 @@ impl Field {
         Scratch {
             free: vec![0.0; n],
             work: vec![0.0; n],
+            lags: vec![0.0; self.states() - n],
             contact: vec![0.0; self.contact_len],
             matrix: vec![0.0; self.operators.row_idx.len()],
             dense: DenseCholesky::new(self.contact_len),
@@ -120,7 +187,8 @@ impl Field {
             .map(|v| 2 * v.len())
             .sum();
         let strain = self.strain.as_ref().map_or(0, Vec::len);
-        word * (3 * self.operators.row_idx.len() + strain + self.len() + vectors)
+        let branches = self.operators.memory.len();
+        word * ((3 + branches) * self.operators.row_idx.len() + strain + self.len() + vectors)
     }
 
     pub fn write(&self, out: &mut Writer) {
@@ -130,6 +198,11 @@ impl Field {
         out.indices(self.cholesky.order());
         out.floats(&operators.a);
         out.floats(&operators.b);
+        out.word(operators.memory.len() as u64);
+        for branch in &operators.memory {
+            out.float(branch.tau);
+            out.floats(&branch.c);
+        }
         self.strain.iter().for_each(|values| out.floats(values));
         for vector in self.loads.iter().chain(&self.probes) {
             out.word(vector.len() as u64);
@@ -157,6 +230,11 @@ impl Field {
         let row_idx = from.indices(n)?;
         let order = from.indices(n)?;
         let (a, b) = (from.finite()?, from.finite()?);
+        let mut memory = Vec::new();
+        for _ in 0..from.size()? {
+            let (tau, c) = (from.float()?, from.finite()?);
+            memory.push(BranchOperator { tau, c });
+        }
         let strain = match has_strain {
             true => Some(from.finite()?),
             false => None,
@@ -178,10 +256,22 @@ impl Field {
             return Err(Reader::refusal("the pattern of the operators is not one"));
         }
         let diagonal = || col_ptr[..n].iter().copied();
-        if !diagonal().all(|at| a[at] * LARGEST >= 1.0 && b[at] * LARGEST >= 1.0) {
+        // A may be nothing where there is no dashpot
+        if !diagonal().all(|at| a[at] >= 0.0 && b[at] * LARGEST >= 1.0) {
             return Err(Reader::refusal(
                 "the diagonal of an operator is not positive",
             ));
+        }
+        // ascending times of forms that are not negative
+        let is_possible = |branch: &BranchOperator| {
+            is_usable(branch.tau)
+                && branch.tau * LARGEST >= 1.0
+                && branch.c.len() == entries
+                && diagonal().all(|at| branch.c[at] >= 0.0)
+        };
+        let is_ascending = memory.windows(2).all(|pair| pair[0].tau < pair[1].tau);
+        if !(is_ascending && memory.iter().all(is_possible)) {
+            return Err(Reader::refusal("the memory of the body is not one"));
         }
         let mut sparse = || -> Result<SparseVector> {
             let count = from.size()?;
@@ -209,6 +299,7 @@ impl Field {
                 row_idx,
                 a,
                 b,
+                memory,
             },
         })
     }

@@ -14,7 +14,7 @@ pub struct Full(pub Field);
 
 impl BodyModel for Full {
     fn states(&self) -> usize {
-        self.0.len()
+        self.0.states()
     }
 
     fn contact_len(&self) -> usize {
@@ -31,7 +31,7 @@ impl BodyModel for Full {
 
     fn factor(&self, theta_k: f64, stage: &mut Stage, scratch: &mut Scratch) -> Result<()> {
         self.0.factor(theta_k, stage, scratch)?;
-        let (n, m) = (self.states(), self.contact_len());
+        let (n, m) = (self.0.len(), self.contact_len());
         let mut compliance = Mat::<f64>::zeros(m, m);
         for first in (0..m).step_by(BLOCK) {
             let width = BLOCK.min(m - first);
@@ -63,13 +63,14 @@ impl BodyModel for Full {
     }
 
     fn predict(&self, stage: &Stage, p: &[f64], f: &[f64], r: &mut [f64], scratch: &mut Scratch) {
-        self.0.load(p, f, &mut scratch.free);
+        self.0
+            .load(stage, p, f, &mut scratch.free, &mut scratch.lags);
         self.0.cholesky.solve(
             &stage.factor,
             ColMut::from_slice_mut(&mut scratch.free).as_mat_mut(),
             &mut scratch.memory,
         );
-        let interior = self.states() - self.contact_len();
+        let interior = self.0.len() - self.contact_len();
         multiply(stage.s.as_ref(), &scratch.free[interior..], r);
     }
 
@@ -81,22 +82,24 @@ impl BodyModel for Full {
         w: &mut [f64],
         scratch: &mut Scratch,
     ) {
-        let interior = self.states() - self.contact_len();
-        w[..interior].fill(0.0);
-        w[interior..].copy_from_slice(contact_force);
+        let interior = self.0.len() - self.contact_len();
+        let (own, branches) = w.split_at_mut(self.0.len());
+        own[..interior].fill(0.0);
+        own[interior..].copy_from_slice(contact_force);
         self.0.cholesky.solve(
             &stage.factor,
-            ColMut::from_slice_mut(w).as_mat_mut(),
+            ColMut::from_slice_mut(own).as_mat_mut(),
             &mut scratch.memory,
         );
-        for (w, free) in w.iter_mut().zip(&scratch.free) {
+        for (w, free) in own.iter_mut().zip(&scratch.free) {
             *w = free - *w;
         }
-        w[interior..].copy_from_slice(contact_velocity);
+        own[interior..].copy_from_slice(contact_velocity);
+        self.0.correct_branches(stage, own, &scratch.lags, branches);
     }
 
     fn products(&self, x: &[f64]) -> (f64, f64) {
-        self.0.operators.product(x, x)
+        self.0.products(x)
     }
 
     fn strain_square(&self, x: &[f64]) -> f64 {
@@ -104,7 +107,7 @@ impl BodyModel for Full {
     }
 
     fn cancelled_norm(&self, scratch: &Scratch) -> f64 {
-        self.products(&scratch.free).1.sqrt()
+        self.0.glassy_square(&scratch.free).sqrt()
     }
 
     fn outputs(&self, x: &[f64], out: &mut [f64]) {

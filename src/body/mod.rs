@@ -7,7 +7,11 @@
 //! * the friction solver finds `S w_c + Lambda = r`;
 //! * [`BodyModel::correct`] gives the whole velocity `w`.
 //!
-//! The meaning of a state vector (nodal or modal) is the model's own.
+//! The meaning of a state vector (nodal or modal) is the model's own. Where materials have memory, it holds the strains of the
+//! branches too: the whole is the pencil `A_ext z' + B_ext z = F`, `z = (u, q_1, ...)`, with
+//! `A_ext = diag(A, tau_j C_j)`, `B_ext = [[B + sum C_j, -C_j], [-C_j, C_j]]`, of which M, S and r above are what is left once the
+//! branches are eliminated. Everything else of a step (integration in time, energies, step control, tangents) treats it as one
+//! body.
 
 pub(crate) mod condensed;
 pub(crate) mod digits;
@@ -38,8 +42,10 @@ pub struct Stage {
 pub struct Scratch {
     /// Free motion between predict and correct.
     pub free: Vec<f64>,
-    /// Vector of the length of a state.
+    /// Vector of the length of a state; for the whole mesh that of its displacement.
     pub work: Vec<f64>,
+    /// Explicit lags `p - p_j` of the branches of the memory between predict and correct, one after the other.
+    pub lags: Vec<f64>,
     /// Vector of contact length.
     pub contact: Vec<f64>,
     /// Values of a sparse matrix, or a contact compliance.
@@ -50,9 +56,21 @@ pub struct Scratch {
     pub memory: MemBuffer,
 }
 
+/// A reduced body in modal coordinates, in which the viscosity A is the identity and the elasticity B the diagonal of `rates`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ModalMatrices {
+    /// Relaxation rates, 1/s, ascending.
+    pub rates: Vec<f64>,
+    /// Contact velocities of every mode: states x contact components, row by row; node by node, tangential components, then the
+    /// normal one where it is kept.
+    pub contact: Vec<f64>,
+    /// Work-conjugate integrals of every mode: states x outputs, row by row; loads, driven directions, then probes.
+    pub outputs: Vec<f64>,
+}
+
 /// A body reduced to what a scene requires.
 pub trait BodyModel: Send + Sync {
-    /// Length of a displacement or velocity.
+    /// Length of a displacement or velocity, with those of the branches of the memory.
     fn states(&self) -> usize;
     /// Tangential contact velocities: nodes times components.
     fn contact_len(&self) -> usize;
@@ -88,6 +106,10 @@ pub trait BodyModel: Send + Sync {
     fn outputs(&self, x: &[f64], out: &mut [f64]);
     /// Multiplications of one [`BodyModel::predict`] and one [`BodyModel::correct`].
     fn stage_multiplications(&self) -> usize;
+    /// The matrices of a reduced body; `None` for one that is kept whole.
+    fn matrices(&self) -> Option<ModalMatrices> {
+        None
+    }
     /// Bytes held by the model.
     fn bytes(&self) -> usize;
     /// Writes what the model's own `read` needs.
@@ -107,6 +129,11 @@ impl Stage {
 }
 
 impl Stage {
+    /// The implicit weight that it is being made for or has, s.
+    fn implicit(&self) -> f64 {
+        self.theta_k.unwrap_or_default()
+    }
+
     /// Fills the diagonal of `S^-1`, where there is room for it.
     fn find_yielding(&mut self, scratch: &mut Scratch) -> Result<()> {
         let m = self.yielding.len();

@@ -1,9 +1,10 @@
 //! The reduced model: the relaxation rates that the ports see. A step needs no mesh and no sparse matrix.
 //!
 //! In modal coordinates `A = I` and `B = diag(rates)`, so a stage is `w_j = (F_j f - rate_j p_j) / (1 + theta_k rate_j)`
-//! and the contact compliance is `P diag(1 / (1 + theta_k rate)) P^T`, whatever the step size.
+//! and the contact compliance is `P diag(1 / (1 + theta_k rate)) P^T`, whatever the step size. A body with memory is the same, in
+//! modes of its pencil with all branches.
 
-use crate::body::{BodyModel, Scratch, Stage};
+use crate::body::{BodyModel, ModalMatrices, Scratch, Stage};
 use crate::bytes::{Reader, Writer};
 use crate::error::{Error, Result};
 use crate::linalg::{DenseCholesky, StoredMatrix, modal, multiply, multiply_transposed};
@@ -21,6 +22,9 @@ pub struct Reduced {
     pub outputs: Mat<f64>,
     /// How many of the outputs are loads.
     pub loads: usize,
+    /// Where a material has no dashpot, the time sigma, s: the modes are those of `A + sigma B` and B then, so that A is
+    /// `diag(1 - sigma rate)`. Else 0.
+    pub sigma: f64,
     /// The strain norm (states x states), where the friction solver measures in it and it is no combination of A and B.
     pub strain: Option<Mat<f64>>,
 }
@@ -43,6 +47,7 @@ impl BodyModel for Reduced {
         Scratch {
             free: vec![0.0; r],
             work: vec![0.0; r],
+            lags: Vec::new(),
             contact: vec![0.0; m],
             matrix: vec![0.0; m * m],
             dense: DenseCholesky::new(m),
@@ -53,7 +58,7 @@ impl BodyModel for Reduced {
     fn factor(&self, theta_k: f64, stage: &mut Stage, scratch: &mut Scratch) -> Result<()> {
         let m = self.contact_len();
         for (d, rate) in stage.factor.iter_mut().zip(&self.rates) {
-            *d = 1.0 / (1.0 + theta_k * rate);
+            *d = 1.0 / (1.0 + (theta_k - self.sigma) * rate);
         }
         let compliance = &mut scratch.matrix[..m * m];
         self.contact.weighted_gram(&stage.factor, compliance);
@@ -91,7 +96,12 @@ impl BodyModel for Reduced {
     }
 
     fn products(&self, x: &[f64]) -> (f64, f64) {
-        modal::squares(x, &self.rates)
+        let (whole, elastic) = modal::squares(x, &self.rates);
+        if self.sigma == 0.0 {
+            return (whole, elastic);
+        }
+        // what is left of the difference may be rounding
+        ((whole - self.sigma * elastic).max(0.0), elastic)
     }
 
     fn strain_square(&self, x: &[f64]) -> f64 {
@@ -116,6 +126,19 @@ impl BodyModel for Reduced {
         multiply_transposed(self.outputs.as_ref(), x, out);
     }
 
+    fn matrices(&self) -> Option<ModalMatrices> {
+        let rows = |matrix: MatRef<f64>| -> Vec<f64> {
+            let rows = matrix.row_iter();
+            rows.flat_map(|row| row.iter().copied().collect::<Vec<_>>())
+                .collect()
+        };
+        Some(ModalMatrices {
+            rates: self.rates.clone(),
+            contact: rows(self.contact.to_double().as_ref()),
+            outputs: rows(self.outputs.as_ref()),
+        })
+    }
+
     fn stage_multiplications(&self) -> usize {
         // the contact ports forward and backward, the loads, S once
         let (r, contact) = (self.states(), self.contact_len());
@@ -130,6 +153,7 @@ impl BodyModel for Reduced {
 
     fn write(&self, out: &mut Writer) {
         out.floats(&self.rates);
+        out.float(self.sigma);
         self.contact.write(out);
         out.matrix(self.outputs.as_ref());
         self.strain
@@ -145,7 +169,13 @@ impl Reduced {
         let mut compliance = Mat::zeros(m, m);
         let ports = self.contact.to_double();
         let to = compliance.as_mut();
-        add_response(to, 1.0, ports.as_ref(), &self.rates, (x, y));
+        add_response(
+            to,
+            1.0,
+            ports.as_ref(),
+            &self.rates,
+            (x, y - self.sigma * x),
+        );
         compliance
     }
 
@@ -170,6 +200,13 @@ impl Reduced {
                 rates.len()
             )));
         }
+        let sigma = from.float()?;
+        let fastest = rates.iter().copied().fold(0.0, f64::max);
+        if !(sigma >= 0.0 && sigma * fastest <= 1.0 + 1e-9) {
+            return Err(Reader::refusal(
+                "a reduced model whose viscosity is negative",
+            ));
+        }
         let is_single = precision == Precision::Single;
         Ok(Reduced {
             contact: StoredMatrix::read(from, is_single, (rates.len(), contact))?,
@@ -179,6 +216,7 @@ impl Reduced {
                 false => None,
             },
             loads,
+            sigma,
             rates,
         })
     }

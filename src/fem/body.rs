@@ -12,6 +12,7 @@ use super::forms::Forms;
 use super::foundation;
 use super::initial::{InitialDisplacement, initial_displacement};
 use super::loads::{LoadColumn, ProbeRows, load_columns, probe_rows};
+use super::memory::{branch_operators, refuse_strained_memory};
 use super::operators::OperatorPair;
 use super::pieces::refuse_loose_pieces;
 use super::strain::StrainNorm;
@@ -41,11 +42,12 @@ pub struct Body {
     pub foundation: Vec<Vec<f64>>,
     /// The displacement that it starts with, where it has one.
     pub initial: Option<InitialDisplacement>,
-    /// Viscosity A and elasticity B in every cell.
+    /// Viscosity A and elasticity B in every cell, and the branches of the memory.
     pub forms: Forms,
     /// The strain norm.
     pub strain: StrainNorm,
-    /// Smallest and largest relaxation rate of the materials, 1/s: bounds of all eigenvalues of `A^-1 B`.
+    /// Smallest and largest relaxation rate of the materials, 1/s: bounds of all eigenvalues of `A^-1 B`, or of
+    /// the pencil of the body with its memory.
     pub element_rates: [f64; 2],
 }
 
@@ -87,7 +89,7 @@ impl Body {
         let forms = Forms::new(scene, &mesh)?;
         let dofs = DofMap::new(scene, &mesh)?;
         refuse_loose_pieces(&mesh, &dofs)?;
-        let operators = OperatorPair::from_elements(&mesh, &dofs, &forms);
+        let mut operators = OperatorPair::from_elements(&mesh, &dofs, &forms);
         let (loads, load_rows) = load_columns(scene, &mesh, &dofs)?;
         let (probes, nodal_rows) = probe_rows(scene, &mesh, &dofs)?;
         let drives = Drives::new(
@@ -99,10 +101,11 @@ impl Body {
             &interior_places(&mesh, &dofs),
             (&load_rows, &nodal_rows),
         )?;
+        refuse_strained_memory(scene, &drives, &forms)?;
+        operators.memory = branch_operators(&mesh, &dofs, &forms);
         let contact = contact_patch(scene, &mesh, &dofs)?;
         Ok(Body {
             initial: initial_displacement(scene, (&mesh, &dofs), &operators, &contact)?,
-            operators,
             foundation: foundation::motions(scene, &contact)?,
             contact,
             loads,
@@ -110,6 +113,7 @@ impl Body {
             drives,
             strain: StrainNorm::new(&mesh, &dofs, &forms),
             element_rates: forms.rates(mesh.dimension),
+            operators,
             forms,
             mesh,
             dofs,

@@ -1,7 +1,8 @@
-//! The forms of A and B in every cell: those of its region, times factors where the law of the region varies over it.
+//! The forms of A and B in every cell: those of its region, times factors where the law of the region varies over it; and
+//! the branches of its memory.
 
 use crate::error::Result;
-use crate::material::Form;
+use crate::material::{Form, rates_with_memory};
 use crate::mesh::Mesh;
 use crate::message::cut;
 use crate::refusal::scene_error;
@@ -17,6 +18,8 @@ pub struct Forms {
     cells: Vec<u32>,
     /// Factors of A and B in every cell; empty where all are 1.
     factors: Vec<[f64; 2]>,
+    /// Relaxation times (s, ascending, no time twice) and forms (Pa) of the memory of every region.
+    branches: Vec<Vec<(f64, Form)>>,
 }
 
 /// Smallest and largest factor of A, of B, and ratio of that of B to that of A, in a region.
@@ -76,6 +79,7 @@ impl Forms {
         }
         Ok(Forms {
             regions: by_region.iter().map(|m| m.operators.forms()).collect(),
+            branches: by_region.iter().map(|m| m.operators.branches()).collect(),
             cells: mesh.cell_regions.clone(),
             factors,
         })
@@ -87,6 +91,43 @@ impl Forms {
             regions: vec![forms; mesh.regions.len()],
             cells: mesh.cell_regions.clone(),
             factors: Vec::new(),
+            branches: vec![Vec::new(); mesh.regions.len()],
+        }
+    }
+
+    /// Whether a region has memory.
+    pub fn have_memory(&self) -> bool {
+        self.branches.iter().any(|branches| !branches.is_empty())
+    }
+
+    /// Whether every region has a dashpot.
+    pub fn have_dashpots(&self) -> bool {
+        self.regions.iter().all(|[a, _]| *a != Form::ZERO)
+    }
+
+    /// Relaxation times of all branches, s, ascending; regions with the same time share it.
+    pub(super) fn times(&self) -> Vec<f64> {
+        let all = self.branches.iter().flatten();
+        let mut times: Vec<f64> = all.map(|(tau, _)| *tau).collect();
+        times.sort_by(f64::total_cmp);
+        times.dedup();
+        times
+    }
+
+    /// The forms of the branches of one or two relaxation times in the places of A and B; nothing in regions without them.
+    pub(super) fn of_branches(&self, times: &[f64]) -> Forms {
+        let form = |branches: &[(f64, Form)], tau: Option<&f64>| {
+            let found = branches.iter().find(|(of, _)| Some(of) == tau);
+            found.map_or(Form::ZERO, |(_, form)| *form)
+        };
+        let pair = |branches: &Vec<(f64, Form)>| {
+            [form(branches, times.first()), form(branches, times.get(1))]
+        };
+        Forms {
+            regions: self.branches.iter().map(pair).collect(),
+            cells: self.cells.clone(),
+            factors: Vec::new(),
+            branches: vec![Vec::new(); self.regions.len()],
         }
     }
 
@@ -136,26 +177,50 @@ impl Forms {
         self.regions.iter().zip(all)
     }
 
-    /// Smallest and largest relaxation rate over the cells, 1/s.
+    /// Smallest and largest relaxation rate over the cells, 1/s; the largest is infinite without a dashpot. Bounds, where a law
+    /// beside memory varies.
     pub fn rates(&self, dimension: usize) -> [f64; 2] {
         self.spans()
-            .map(|([a, b], Spans { ratio, .. })| {
-                let [low, high] = Form::rates(a, b, dimension);
-                [low * ratio[0], high * ratio[1]]
-            })
+            .zip(&self.branches)
+            .map(|((forms, spans), branches)| rates(forms, &spans, branches, dimension))
             .reduce(|x, y| [x[0].min(y[0]), x[1].max(y[1])])
             .unwrap_or([f64::NAN; 2])
     }
 
-    /// Ellipticity constant m_A of the viscosity (Pa s) and Lipschitz constant L_B of the elasticity (Pa) over the cells.
+    /// Ellipticity constant m_A of the viscosity (Pa s) and Lipschitz constant L_B of the elasticity with the springs of the
+    /// memory (Pa) over the cells.
     pub fn constants(&self, dimension: usize) -> [f64; 2] {
-        let of_region = |([a, b], spans): (&[Form; 2], Spans)| {
+        type Region<'a> = ((&'a [Form; 2], Spans), &'a Vec<(f64, Form)>);
+        let of_region = |(([a, b], spans), branches): Region| {
             let (m_a, l_b) = (a.extremes(dimension)[0], b.extremes(dimension)[1]);
-            [m_a * spans.a[0], l_b * spans.b[1]]
+            // the springs of the memory resist at once
+            let springs = branches.iter().map(|(_, c)| c.extremes(dimension)[1]);
+            [m_a * spans.a[0], l_b * spans.b[1] + springs.sum::<f64>()]
         };
-        let all = self.spans().map(of_region);
+        let all = self.spans().zip(&self.branches).map(of_region);
         all.fold([f64::INFINITY, 0.0], |[m_a, l_b], [a, b]| {
             [m_a.min(a), l_b.max(b)]
         })
     }
+}
+
+/// Smallest and largest relaxation rate of a region, 1/s.
+fn rates(
+    [a, b]: &[Form; 2],
+    spans: &Spans,
+    branches: &[(f64, Form)],
+    dimension: usize,
+) -> [f64; 2] {
+    if branches.is_empty() {
+        if *a == Form::ZERO {
+            return [f64::INFINITY; 2];
+        }
+        let [low, high] = Form::rates(a, b, dimension);
+        return [low * spans.ratio[0], high * spans.ratio[1]];
+    }
+    // rates grow with the elasticity and fall with the viscosity
+    let of = |of_a: f64, of_b: f64| {
+        rates_with_memory(&a.times(of_a), &b.times(of_b), branches, dimension)
+    };
+    [of(spans.a[1], spans.b[0])[0], of(spans.a[0], spans.b[1])[1]]
 }

@@ -1,4 +1,5 @@
-//! Finite elements for the Kelvin-Voigt body of (5.13)-(5.14): small strains, coefficients constant in every cell.
+//! Finite elements for the viscoelastic body of (5.13)-(5.14), with memory or without: small strains, coefficients constant in
+//! every cell.
 //!
 //! From a scene and a mesh to what the numerics need: the two symmetric matrices A (viscosity) and B (elasticity) on the
 //! free displacements, the contact nodes with their frames and weights, one column per load and one row per probe output.
@@ -16,6 +17,7 @@ mod foundation;
 mod held;
 mod initial;
 mod loads;
+mod memory;
 mod operators;
 mod pieces;
 #[cfg(test)]
@@ -30,5 +32,5 @@ pub use driven::Drives;
 pub use forms::Forms;
 pub use initial::InitialDisplacement;
 pub use loads::{LoadColumn, ProbeRows};
-pub use operators::OperatorPair;
+pub use operators::{BranchOperator, OperatorPair};
 pub use strain::StrainNorm;

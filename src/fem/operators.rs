@@ -7,6 +7,7 @@
 use super::cell::Cell;
 use super::dofs::DofMap;
 use super::forms::Forms;
+use crate::linalg::add_scaled;
 use crate::mesh::Mesh;
 use nalgebra::Matrix3;
 
@@ -23,6 +24,17 @@ pub struct OperatorPair {
     pub a: Vec<f64>,
     /// Entries of B (elasticity), N/m (2D: per metre of depth).
     pub b: Vec<f64>,
+    /// Branches of the memory, ascending in their relaxation times. Default: none.
+    pub memory: Vec<BranchOperator>,
+}
+
+/// One branch of the memory: `C (u - q)`, `q' = (u - q) / tau`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BranchOperator {
+    /// Relaxation time, s.
+    pub tau: f64,
+    /// Entries of C, N/m (2D: per metre of depth).
+    pub c: Vec<f64>,
 }
 
 /// The coupling of one column node with one row node, summed over the cells they share.
@@ -47,6 +59,7 @@ impl OperatorPair {
             row_idx: Vec::with_capacity(estimate),
             a: Vec::with_capacity(estimate),
             b: Vec::with_capacity(estimate),
+            memory: Vec::new(),
         };
         pair.col_ptr.push(0);
 
@@ -108,11 +121,31 @@ impl OperatorPair {
         }
     }
 
-    /// Writes the entries of `ca A + cb B` (same pattern) to `out`, which has the length of `a`.
+    /// Writes the entries of `ca A + cb B`, with the memory eliminated, `+ sum_j ca cb tau_j / (ca tau_j + cb) C_j` (same pattern),
+    /// to `out`, which has the length of `a`.
     pub fn combine(&self, ca: f64, cb: f64, out: &mut [f64]) {
         debug_assert_eq!(out.len(), self.a.len());
         for ((out, a), b) in out.iter_mut().zip(&self.a).zip(&self.b) {
             *out = ca * a + cb * b;
+        }
+        for branch in &self.memory {
+            let weight = ca * branch.lag_weight(ca, cb) * cb;
+            if weight != 0.0 {
+                add_scaled(out, weight, &branch.c);
+            }
+        }
+    }
+
+    /// Writes the derivative of [`OperatorPair::combine`] at the shift `(c, d)` along `(by_c, by_d)` to `out`.
+    pub fn combine_slope(&self, (c, d): (f64, f64), (by_c, by_d): (f64, f64), out: &mut [f64]) {
+        for ((out, a), b) in out.iter_mut().zip(&self.a).zip(&self.b) {
+            *out = by_c * a + by_d * b;
+        }
+        for branch in &self.memory {
+            let scale = c * branch.tau + d;
+            let (of_c, of_d) = (d / scale, c * branch.tau / scale);
+            let weight = by_c * branch.tau * of_c * of_c + by_d * of_d * of_d;
+            add_scaled(out, weight, &branch.c);
         }
     }
 
@@ -143,6 +176,24 @@ impl OperatorPair {
                 }
             }
             add(&mut y[j], 1.0, &sum);
+        }
+    }
+
+    /// `y += factor K x` for the symmetric matrix K whose lower triangle has the entries `values` on this pattern.
+    pub fn add_product(&self, factor: f64, values: &[f64], x: &[f64], y: &mut [f64]) {
+        debug_assert_eq!((values.len(), x.len()), (self.row_idx.len(), self.n));
+        for (j, (rows, values)) in self.columns(values).enumerate() {
+            let own = factor * x[j];
+            let mut sum = 0.0;
+            for (&i, &value) in rows.iter().zip(values) {
+                if i == j {
+                    sum += value * x[j];
+                } else {
+                    y[i] += value * own;
+                    sum += value * x[i];
+                }
+            }
+            y[j] += factor * sum;
         }
     }
 
@@ -179,11 +230,33 @@ impl OperatorPair {
         (sum_a, sum_b)
     }
 
+    /// `(x - y) . K (x - y)` for the symmetric matrix K whose lower triangle has the entries `values` on this pattern.
+    pub fn square_of_difference(&self, values: &[f64], x: &[f64], y: &[f64]) -> f64 {
+        debug_assert_eq!((values.len(), x.len()), (self.row_idx.len(), self.n));
+        let mut sum = 0.0;
+        for (j, (rows, values)) in self.columns(values).enumerate() {
+            let own = x[j] - y[j];
+            for (&i, &value) in rows.iter().zip(values) {
+                let twice = if i == j { 1.0 } else { 2.0 };
+                sum += twice * value * (x[i] - y[i]) * own;
+            }
+        }
+        sum
+    }
+
     fn columns<'s>(&'s self, values: &'s [f64]) -> impl Iterator<Item = (&'s [usize], &'s [f64])> {
         self.col_ptr.windows(2).map(move |ends| {
             let range = ends[0]..ends[1];
             (&self.row_idx[range.clone()], &values[range])
         })
+    }
+}
+
+impl BranchOperator {
+    /// `tau / (c tau + d)`: what a shift `(c, d)` leaves of a lag `u - q`, s; a stage with the implicit weight theta k is the shift
+    /// `(1, theta k)`. At the two ends, where nothing is left of the branch in the operator, 0 beside an infinite time is 0.
+    pub fn lag_weight(&self, c: f64, d: f64) -> f64 {
+        self.tau / (c * self.tau + d)
     }
 }
 

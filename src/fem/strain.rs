@@ -1,7 +1,7 @@
 //! The strain norm `|eps(u)|` in L2, the norm of V in the paper.
 //!
 //! With one isotropic material the form `(eps(u), eps(v))` lies in the span of A and B and costs no third matrix. Elsewhere it does
-//! not, and is assembled.
+//! not, nor where products of a body have the share of its memory, and is assembled.
 
 use super::dofs::DofMap;
 use super::forms::Forms;
@@ -21,7 +21,9 @@ pub enum StrainNorm {
 impl StrainNorm {
     /// For the forms of A and B in every cell.
     pub(super) fn new(mesh: &Mesh, dofs: &DofMap, forms: &Forms) -> StrainNorm {
-        forms.common().and_then(combination).unwrap_or_else(|| {
+        let is_spanned = !forms.have_memory() && forms.have_dashpots();
+        let common = forms.common().filter(|_| is_spanned);
+        common.and_then(combination).unwrap_or_else(|| {
             let strain = Forms::uniform(mesh, [Form::STRAIN; 2]);
             StrainNorm::Assembled(OperatorPair::from_elements(mesh, dofs, &strain).a)
         })

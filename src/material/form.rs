@@ -30,6 +30,12 @@ impl Form {
         two_mu: 1.0,
     };
 
+    /// Nothing.
+    pub const ZERO: Form = Form::Isotropic {
+        lambda: 0.0,
+        two_mu: 0.0,
+    };
+
     /// Adds the 3 x 3 block of two shape functions with these gradients, times `weight`, to `sum`: rows are the components of the
     /// first, in global axes.
     pub fn add_block(&self, sum: &mut Matrix3<f64>, pair: &GradientPair, weight: f64) {
@@ -123,6 +129,26 @@ impl Form {
         let d = dimension as f64;
         let spherical = (d * of_b + b_two_mu) / (d * of_a + a_two_mu);
         [deviatoric.min(spherical), deviatoric.max(spherical)]
+    }
+}
+
+impl std::ops::Add for Form {
+    type Output = Form;
+
+    fn add(self, other: Form) -> Form {
+        match (self, other) {
+            (
+                Form::Isotropic { lambda, two_mu },
+                Form::Isotropic {
+                    lambda: other_lambda,
+                    two_mu: other_two_mu,
+                },
+            ) => Form::Isotropic {
+                lambda: lambda + other_lambda,
+                two_mu: two_mu + other_two_mu,
+            },
+            (a, b) => Form::Matrix(a.voigt() + b.voigt()),
+        }
     }
 }
 

@@ -12,13 +12,13 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// `A tau = mu1 tr(tau) I + mu2 tau`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct IsotropicViscosity {
-    /// Coefficient of the trace, Pa s; `dimension * mu1 + mu2` is positive.
+    /// Coefficient of the trace, Pa s; `dimension * mu1 + mu2` is positive, or both are 0: no dashpot.
     pub mu1: f64,
-    /// Coefficient of the strain rate, Pa s; positive.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    /// Coefficient of the strain rate, Pa s; positive, or 0 beside `mu1` = 0.
+    #[schemars(extend("minimum" = 0))]
     pub mu2: f64,
     /// Slopes g of a factor `1 + g.x` of the law, 1/m, one per dimension; taken at the centroid of every cell. Default: none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -146,6 +146,13 @@ impl Law for IsotropicViscosity {
     }
 
     fn check(&self, dimension: usize, path: &str) -> Verdict {
+        if self.mu1 == 0.0 && self.mu2 == 0.0 {
+            return Ok(());
+        }
+        ensure(self.mu2 > 0.0, || {
+            let allowed = "> 0, or 0 beside mu1 = 0: no dashpot";
+            Refusal::new(format!("{path}.mu2"), number(self.mu2), allowed)
+        })?;
         let trace = self.pair().spherical(dimension);
         ensure(is_positive(trace), || {
             let (mu1, trace) = (number(self.mu1), number(trace));

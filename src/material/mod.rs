@@ -4,18 +4,29 @@
 //! else follows from these: the schema of scenes from its type, the parameters of an FMU from the declarations, matrices,
 //! relaxation rates and the certificate from the form. What is not here: cells and matrices (`crate::fem`).
 
+mod fit;
 mod form;
 mod isotropic;
 mod matrix;
+mod memory;
+mod nnls;
 mod orthotropic;
+mod sheet;
 mod variation;
 mod voigt;
 
 pub use form::{Form, GradientPair};
 pub use isotropic::{Convention, IsotropicElasticity, IsotropicViscosity};
 pub use matrix::MatrixLaw;
+pub use memory::{Branch, IsotropicBranch, MOST_BRANCHES, rates_with_memory};
 pub use orthotropic::Orthotropic;
+pub use sheet::{
+    BulkMemory, DynamicMemory, FractionalKernel, FractionalMemory, Frequency, Memory, Moduli,
+    RelativeMemory, RelativeTerm, RelaxationMemory,
+};
 pub use voigt::{COMPONENTS, Voigt};
+
+use sheet::{Pair, Resolved};
 
 use variation::Variation;
 
@@ -41,6 +52,12 @@ pub enum Elasticity {
     Matrix(MatrixLaw),
 }
 
+impl Default for Viscosity {
+    fn default() -> Viscosity {
+        Viscosity::Isotropic(IsotropicViscosity::default())
+    }
+}
+
 impl Viscosity {
     fn law(&self) -> &dyn Law {
         match self {
@@ -61,14 +78,19 @@ impl Elasticity {
     }
 }
 
-/// Kelvin-Voigt material: `sigma = A eps(u') + B eps(u)`.
+/// Viscoelastic material: `sigma = A eps(u') + B eps(u)`, and its memory.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Material {
-    /// Viscosity operator A.
+    /// Viscosity operator A. Default: none, the material has no dashpot.
+    #[serde(default)]
     pub viscosity: Viscosity,
     /// Elasticity operator B.
     pub elasticity: Elasticity,
+    /// Long memory: branches of a generalised Maxwell body, each `int C exp(-(t - s) / tau) eps(u'(s)) ds`, or what they follow
+    /// from. Default: none.
+    #[serde(default, skip_serializing_if = "Memory::is_none")]
+    pub memory: Memory,
 }
 
 /// The material of a region.
@@ -77,10 +99,15 @@ pub struct Material {
 pub struct RegionMaterial {
     /// Name of the region: one of the mesh, or `body`, which is all that is in no other.
     pub region: String,
-    /// Viscosity operator A.
+    /// Viscosity operator A. Default: none, the material has no dashpot.
+    #[serde(default)]
     pub viscosity: Viscosity,
     /// Elasticity operator B.
     pub elasticity: Elasticity,
+    /// Long memory: branches of a generalised Maxwell body, each `int C exp(-(t - s) / tau) eps(u'(s)) ds`, or what they follow
+    /// from. Default: none.
+    #[serde(default, skip_serializing_if = "Memory::is_none")]
+    pub memory: Memory,
 }
 
 /// A law of an operator, with its values.
@@ -144,6 +171,8 @@ pub struct Operators<'a> {
     pub viscosity: &'a Viscosity,
     /// Elasticity B.
     pub elasticity: &'a Elasticity,
+    /// Its memory.
+    pub memory: &'a Memory,
 }
 
 impl Operators<'_> {
@@ -155,9 +184,62 @@ impl Operators<'_> {
         ]
     }
 
-    /// The forms of A (Pa s) and B (Pa), where their factors are 1.
+    /// Whether it has a dashpot: a viscosity that is not 0.
+    pub fn has_dashpot(&self) -> bool {
+        self.viscosity.law().form() != Form::ZERO
+    }
+
+    /// The forms of A (Pa s) and B (Pa), where their factors are 1: of B what a memory in shares of it leaves in the end.
     pub fn forms(&self) -> [Form; 2] {
-        self.laws().map(|(.., law)| law.form())
+        let [viscosity, elasticity] = self.laws().map(|(.., law)| law.form());
+        let left = match self.memory {
+            Memory::Relative(_) => self.resolved("memory").map(|resolved| resolved.left).ok(),
+            _ => None,
+        };
+        let long_term = left
+            .zip(moduli(&elasticity))
+            .map(|(left, of)| memory::form(of.bulk * left.bulk, of.shear * left.shear));
+        [viscosity, long_term.unwrap_or(elasticity)]
+    }
+
+    /// The memory as branches; `path` is its place in the scene.
+    fn resolved(&self, path: &str) -> Result<Resolved, Refusal> {
+        let is_sheet = !matches!(self.memory, Memory::Branches(_));
+        if is_sheet && self.varies() {
+            let found = "a data sheet beside a law that varies over the body";
+            return Err(Refusal::new(
+                path,
+                found,
+                "branches in moduli (tau, shear, bulk)",
+            ));
+        }
+        let [viscosity, elasticity] = self.laws().map(|(.., law)| moduli(&law.form()));
+        self.memory.resolve(elasticity, viscosity, path)
+    }
+
+    /// Number of branches of the memory, and the largest relative error of the fit that they come from, where there was one.
+    pub fn memory_fit(&self) -> (usize, Option<f64>) {
+        let resolved = self.resolved("memory").ok();
+        resolved.map_or((0, None), |found| (found.branches.len(), found.error))
+    }
+
+    /// Relaxation times (s) and forms (Pa) of the branches of the memory, ascending; equal times are one branch. A memory that
+    /// [`Operators::check`] refuses has none.
+    pub fn branches(&self) -> Vec<(f64, Form)> {
+        if self.memory.is_none() {
+            return Vec::new();
+        }
+        let resolved = self.resolved("memory").map(|found| found.branches);
+        let mut branches: Vec<(f64, Form)> = Vec::new();
+        for branch in resolved.unwrap_or_default() {
+            let (tau, form) = (branch.tau(), branch.law().form());
+            match branches.iter_mut().find(|(of, _)| *of == tau) {
+                Some((_, sum)) => *sum = *sum + form,
+                None => branches.push((tau, form)),
+            }
+        }
+        branches.sort_by(|a, b| a.0.total_cmp(&b.0));
+        branches
     }
 
     /// Whether a law varies over the body.
@@ -182,19 +264,49 @@ impl Operators<'_> {
         Ok([a?, b?])
     }
 
-    /// Values of both laws, by their paths below the material.
+    /// Values of all laws, by their paths below the material; what follows from a data sheet has no keys of its own.
     pub fn parameters(&self) -> Vec<(String, Parameter)> {
-        let of = |(key, unit, law): (&str, &'static str, &dyn Law)| -> Vec<(String, Parameter)> {
+        let of = |key: &str, unit: &'static str, law: &dyn Law| -> Vec<(String, Parameter)> {
             let path = |p: Parameter| (format!("{key}.{}", p.key), p);
             law.parameters(unit).into_iter().map(path).collect()
         };
-        self.laws().into_iter().flat_map(of).collect()
+        let laws = self.laws().into_iter();
+        let mut all: Vec<_> = laws
+            .flat_map(|(key, unit, law)| of(key, unit, law))
+            .collect();
+        if let Memory::Branches(branches) = self.memory {
+            for (i, branch) in branches.iter().enumerate() {
+                all.extend(of(&format!("memory[{i}]"), "Pa", branch.law()));
+            }
+        }
+        all
     }
 
     /// Refuses operators that are not positive in this dimension; `path` is the place of the material in the scene.
     pub(crate) fn check(&self, dimension: usize, path: &str) -> Verdict {
         self.laws()
             .into_iter()
-            .try_for_each(|(key, _, law)| law.check(dimension, &format!("{path}.{key}")))
+            .try_for_each(|(key, _, law)| law.check(dimension, &format!("{path}.{key}")))?;
+        let path = format!("{path}.memory");
+        let branches = self.resolved(&path)?.branches;
+        memory::check(&branches, &path)?;
+        branches.iter().enumerate().try_for_each(|(i, branch)| {
+            let path = match self.memory {
+                Memory::Branches(_) => format!("{path}[{i}]"),
+                _ => path.clone(),
+            };
+            branch.law().check(dimension, &path)
+        })
+    }
+}
+
+/// Shear and bulk modulus of an isotropic form, `lambda = K - 2 G / 3`.
+fn moduli(form: &Form) -> Option<Pair> {
+    match form {
+        Form::Isotropic { lambda, two_mu } => Some(Pair {
+            shear: two_mu / 2.0,
+            bulk: lambda + two_mu / 3.0,
+        }),
+        Form::Matrix(_) => None,
     }
 }

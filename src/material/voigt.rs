@@ -1,6 +1,8 @@
 //! Matrices on the components of Voigt: (xx, yy, zz, yz, xz, xy), engineering shear.
 
-use nalgebra::{Cholesky, DMatrix, Matrix3, Matrix6, Matrix6x3, SymmetricEigen, Vector3, Vector6};
+use nalgebra::{
+    Cholesky, DMatrix, Dyn, Matrix3, Matrix6, Matrix6x3, SymmetricEigen, Vector3, Vector6,
+};
 use std::f64::consts::SQRT_2;
 
 /// Components of a strain or stress in Voigt's order, by their axes.
@@ -13,8 +15,8 @@ pub type Voigt = Matrix6<f64>;
 const PLANE: [usize; 3] = [0, 1, 5];
 const ALL: [usize; 6] = [0, 1, 2, 3, 4, 5];
 
-/// Most iterations for the eigenvalues of a matrix of order 6, which take a dozen.
-const MOST_ITERATIONS: usize = 1000;
+/// Most iterations for the eigenvalues of a matrix, which take a few per row.
+const MOST_ITERATIONS: usize = 10_000;
 
 /// The components that a dimension has, in Voigt's order.
 pub fn components(dimension: usize) -> &'static [usize] {
@@ -83,7 +85,7 @@ pub fn turned(matrix: &Voigt, axes: &Matrix3<f64>) -> Voigt {
 }
 
 /// The matrix in the Frobenius metric, on the components of a dimension.
-fn metric(d: &Voigt, dimension: usize) -> DMatrix<f64> {
+pub(super) fn metric(d: &Voigt, dimension: usize) -> DMatrix<f64> {
     let of = components(dimension);
     let root = |i: usize| if i < 3 { 1.0 } else { SQRT_2 };
     DMatrix::from_fn(of.len(), of.len(), |i, j| {
@@ -92,11 +94,16 @@ fn metric(d: &Voigt, dimension: usize) -> DMatrix<f64> {
     })
 }
 
-fn extreme_eigenvalues(matrix: DMatrix<f64>) -> [f64; 2] {
+/// Eigenvalues and eigenvectors; `None` for numbers that are not finite.
+pub(super) fn eigen(matrix: DMatrix<f64>) -> Option<SymmetricEigen<f64, Dyn>> {
     if !matrix.iter().all(|value| value.is_finite()) {
-        return [f64::NAN; 2];
+        return None;
     }
-    match SymmetricEigen::try_new(matrix, f64::EPSILON, MOST_ITERATIONS) {
+    SymmetricEigen::try_new(matrix, f64::EPSILON, MOST_ITERATIONS)
+}
+
+pub(super) fn extreme_eigenvalues(matrix: DMatrix<f64>) -> [f64; 2] {
+    match eigen(matrix) {
         Some(found) => {
             let values = found.eigenvalues.iter();
             values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {

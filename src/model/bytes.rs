@@ -14,7 +14,7 @@ use crate::body::condensed::Condensed;
 use crate::body::field::Field;
 use crate::body::full::Full;
 use crate::body::reduced::Reduced;
-use crate::bytes::{Frame, Reader, Writer};
+use crate::bytes::{Frame, LARGEST, Reader, Writer};
 use crate::error::{Error, Result};
 use crate::fem::ContactPatch;
 use crate::files::MemoryFiles;
@@ -101,7 +101,8 @@ impl Model {
         ] {
             out.word(size as u64);
         }
-        out.floats(&summary.rates);
+        // without a dashpot the fastest is infinite
+        out.floats(&summary.rates.map(|rate| rate.min(LARGEST)));
         let record = summary.reduction.as_ref();
         out.floats(record.map_or(&[], |r| &r.shifts));
         out.float(record.map_or(0.0, |r| r.achieved));
@@ -144,6 +145,7 @@ fn read_parts(from: &mut Reader, scene: &Scene) -> Result<Parts> {
         return Err(Reader::refusal("compiled model: sizes of the mesh"));
     }
     let rates: [f64; 2] = array(from)?;
+    let rates = rates.map(|rate| if rate < LARGEST { rate } else { f64::INFINITY });
     let (shifts, achieved) = (from.finite()?, from.float()?);
     let strain_weights = match from.finite()?[..] {
         [x, y] => Some((x, y)),
@@ -173,7 +175,9 @@ fn read_parts(from: &mut Reader, scene: &Scene) -> Result<Parts> {
     let is_positive = |values: &[f64]| values.iter().all(|v| *v > 0.0);
     let is_possible = is_positive(&rates)
         && is_positive(&measures)
-        && is_positive(&[c0_squared, m_a, l_b, sharp_instant, sharp_step])
+        && is_positive(&[c0_squared, l_b, sharp_step])
+        && m_a >= 0.0
+        && sharp_instant >= 0.0
         && l_g >= 0.0
         && coulomb.is_none_or(|c| c.coefficient >= 0.0 && c.weakening >= 0.0 && c.coupling >= 0.0)
         && achieved.is_finite();

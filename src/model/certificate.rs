@@ -3,7 +3,8 @@
 //! With the trace constant `c0` (`|v_tau|_{L2(contact)} <= c0 |eps(v)|`, (5.12)), the one-sided Lipschitz constant
 //! `L_g` of the friction bound (5.16), the largest rate at which the bound of any node decreases with the slip rate, and the ellipticity constant `m_A` of the viscosity:
 //!
-//! With several materials `m_A` is the smallest and `L_B` the largest over the cells.
+//! With several materials `m_A` is the smallest and `L_B` the largest over the cells. The springs of memory count in `L_B`, as they
+//! resist at once.
 //!
 //! * the continuous problem has one solution when `c0^2 L_g < m_A` (Theorem 5.3; (2.6) with beta = c0^2 L_g, m = m_A);
 //! * a trapezoidal step has one solution when also `k < (m_A - c0^2 L_g) / L_B` (3.6), `L_B` the norm of the elasticity;
@@ -39,9 +40,9 @@ pub struct Certificate {
     pub l_g: f64,
     /// Ellipticity constant of the viscosity, Pa s.
     pub m_a: f64,
-    /// Lipschitz constant of the elasticity, Pa.
+    /// Lipschitz constant of the elasticity, with the springs of the memory, Pa.
     pub l_b: f64,
-    /// Smallest eigenvalue of `Omega^-1/2 S Omega^-1/2` for A alone, Pa s/m.
+    /// Smallest eigenvalue of `Omega^-1/2 S Omega^-1/2` for A alone, Pa s/m; 0 where a material has no dashpot.
     pub sharp_instant: f64,
     /// The same for the largest internal step, Pa s/m.
     pub sharp_step: f64,
@@ -158,7 +159,10 @@ pub fn certify(
         },
         m_a,
         l_b,
-        sharp_instant: constants(1.0, 0.0)?.sharp,
+        sharp_instant: match body.forms.have_dashpots() {
+            true => constants(1.0, 0.0)?.sharp,
+            false => 0.0,
+        },
         sharp_step: step.sharp,
         coulomb: law.coefficient.map(|coefficient| CoulombConstants {
             coefficient,

@@ -15,7 +15,7 @@ use crate::body::full::Full;
 use crate::body::reduced::Reduced;
 use crate::body::reduction::port_matrix::PortMatrix;
 use crate::body::reduction::transfer::Sampler;
-use crate::body::reduction::{Reduction, Synthesis, reduce};
+use crate::body::reduction::{Reduction, Synthesis, bounded, reduce};
 use crate::error::{Error, Result};
 use crate::fem::{Body, StrainNorm};
 use crate::files::{Files, Keeper, MemoryFiles};
@@ -28,6 +28,9 @@ use crate::state::State;
 use crate::time::scheme::Tableau;
 use std::ops::ControlFlow;
 use std::sync::Arc;
+
+/// Smallest internal step, in largest ones, that the reduction of a body without dashpot is judged for.
+const SMALLEST_STEP: f64 = 0.01;
 
 /// A compiled scene together with the body it was made from, for pictures and files.
 pub struct Compilation {
@@ -144,6 +147,37 @@ impl Compilation {
         .map(Arc::new)
     }
 
+    /// The model of a scene that differs from that of this compilation in `time`, `history`, `run`, the friction solver and its
+    /// tolerance alone: the body is shared, and nothing of it is compiled again.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for a scene that differs in more; those of [`crate::compile`].
+    pub fn restepped(&self, scene: &Scene) -> Result<Arc<Model>> {
+        let own = &self.scene;
+        let mut same = Scene {
+            time: own.time.clone(),
+            history: own.history.clone(),
+            run: own.run.clone(),
+            ..scene.clone()
+        };
+        same.fidelity.solver = own.fidelity.solver.clone();
+        same.fidelity.friction_tolerance = own.fidelity.friction_tolerance;
+        same.fidelity.multiplicity_test = own.fidelity.multiplicity_test;
+        // a solver that measures strains has a norm of its own in the body
+        let measures = |scene: &Scene| scene.fidelity.solver.measures_strains();
+        if same != *own || measures(scene) != measures(own) {
+            return Err(Error::Scene {
+                source_name: scene.name.clone(),
+                path: "$".to_owned(),
+                found: "another body".to_owned(),
+                allowed: "other values of time, history, run, fidelity.solver of the same kind, \
+                    fidelity.friction_tolerance and fidelity.multiplicity_test"
+                    .to_owned(),
+            });
+        }
+        self.again(scene)
+    }
+
     /// Displacements of all nodes in a state, m, global axes (z = 0 in 2D); driven parts have moved as they were driven.
     ///
     /// # Errors
@@ -196,7 +230,8 @@ impl Compilation {
     pub fn field(&self, states: &[f64]) -> Result<Vec<f64>> {
         match &self.kept.synthesis {
             Some(synthesis) => synthesis.field(&self.body, &self.cholesky, states),
-            None => Ok(states.to_vec()),
+            // the fields of the memory follow the displacement
+            None => Ok(states[..self.body.len().min(states.len())].to_vec()),
         }
     }
 }
@@ -300,10 +335,14 @@ fn keep(
     sizes: &Sizes,
     watch: &mut Watch,
 ) -> Result<Kept> {
-    let [slowest, fastest] = body.element_rates;
+    let sigma = match body.forms.have_dashpots() {
+        true => 0.0,
+        false => SMALLEST_STEP * Tableau::of(scene.scheme()).theta() * scene.time.step,
+    };
+    let [slowest, fastest] = body.element_rates.map(|rate| bounded(rate, sigma));
     let reference_rate = (slowest * fastest).sqrt();
     let ports = PortMatrix::new(body);
-    let mut sampler = Sampler::new(&ports, &body.operators, cholesky, reference_rate);
+    let mut sampler = Sampler::new(&ports, &body.operators, cholesky, (reference_rate, sigma));
     let ends = Ends::new(&mut sampler, body)?;
     ends.check(scene.fidelity.tolerance)?;
     let whole = |kind, model, fallback| Kept {
@@ -365,7 +404,8 @@ fn dearer_step(reduction: &Reduction, body: &Body, cholesky: &SparseCholesky) ->
     let reduced = &reduction.reduced;
     let ports = reduced.contact.ncols() + reduced.outputs.ncols();
     let of_reduced = 2 * ports * reduced.rates.len();
-    let of_condensed = 2 * (cholesky.len() + body.operators.row_idx.len());
+    let applied = body.operators.row_idx.len() * (1 + body.operators.memory.len());
+    let of_condensed = 2 * (cholesky.len() + applied);
     (of_reduced >= of_condensed).then(|| {
         format!(
             "a step of the reduced model takes {of_reduced} multiplications, one of the condensed model {of_condensed}"

@@ -33,6 +33,8 @@ pub struct Sizes {
     /// Contact components, and the other ports.
     contact: f64,
     others: f64,
+    /// Branches of the memory of the materials.
+    branches: f64,
 }
 
 impl Sizes {
@@ -81,6 +83,7 @@ impl Sizes {
             factor: separator,
             contact: extent.contact * (d - 1.0 + f64::from(u8::from(scene.is_pressed()))),
             others: ports(scene, element.dimension),
+            branches: branches(scene),
         }
     }
 
@@ -94,18 +97,21 @@ impl Sizes {
             factor: factor as f64,
             contact: body.contact_len() as f64,
             others: ports(scene, body.mesh.dimension),
+            branches: body.operators.memory.len() as f64,
         }
     }
 
     /// Mesh, operators and one factor, bytes: every model needs them.
     fn of_mesh(&self) -> f64 {
-        NUMBER * (8.0 * self.nodes + 4.0 * self.cells + 6.0 * self.entries + self.factor)
+        let operators = (6.0 + self.branches) * self.entries;
+        NUMBER * (8.0 * self.nodes + 4.0 * self.cells + operators + self.factor)
     }
 
     /// What a reduction adds, bytes.
     fn of_reduction(&self) -> f64 {
         let ports = self.contact + self.others;
-        let fields = 2.0 * FIELDS * (3.0 + self.others.min(6.0)) * self.dofs;
+        let states = self.dofs * (1.0 + self.branches);
+        let fields = 2.0 * FIELDS * (3.0 + self.others.min(6.0)) * states;
         let gram = (SHIFTS * ports).powi(2);
         NUMBER * (2.0 * SAMPLES * ports.powi(2) + 4.0 * gram + fields)
     }
@@ -114,10 +120,10 @@ impl Sizes {
     fn of_whole(&self) -> f64 {
         let stage = self.factor + self.contact.powi(2);
         NUMBER
-            * (3.0 * self.entries
+            * ((3.0 + self.branches) * self.entries
                 + STEP_SIZES * stage
                 + 6.0 * self.contact.powi(2)
-                + 20.0 * self.dofs)
+                + 20.0 * self.dofs * (1.0 + self.branches))
     }
 
     /// The recorded past of one simulator, which holds three states, bytes.
@@ -169,6 +175,14 @@ impl Sizes {
 
 fn ports(scene: &Scene, dimension: usize) -> f64 {
     (scene.inputs().count() + scene.probes.len() * dimension) as f64
+}
+
+/// Relaxation times that no other branch of the scene has.
+fn branches(scene: &Scene) -> f64 {
+    let materials = scene.materials().into_iter();
+    let times = materials.flat_map(|m| m.operators.branches());
+    let times: std::collections::BTreeSet<u64> = times.map(|(tau, _)| tau.to_bits()).collect();
+    times.len() as f64
 }
 
 fn ensure(scene: &Scene, path: &str, found: String, needed: f64) -> Result<()> {

@@ -10,8 +10,8 @@ mod selection;
 mod settings;
 mod start;
 
-pub use crate::body::BodyModel;
 pub use crate::body::reduction::ReductionRecord;
+pub use crate::body::{BodyModel, ModalMatrices};
 pub use crate::progress::{Observer, Phase, Progress};
 pub use compile::Compilation;
 pub(crate) use memory::ensure_available;
@@ -159,6 +159,11 @@ impl Model {
     /// Length of a displacement of the body: dofs or modes.
     pub fn states(&self) -> usize {
         self.body.states()
+    }
+
+    /// The matrices of a reduced model, copied; `None` where the whole mesh is kept.
+    pub fn matrices(&self) -> Option<ModalMatrices> {
+        self.body.matrices()
     }
 
     /// Largest internal step, s.

@@ -33,12 +33,12 @@ impl Quantity {
     pub(crate) fn tangent(self) -> Tangent {
         use Quantity::*;
         match self {
-            Input(_) | TangentialStress | SlipRate | Slip | AccumulatedSlip | SlipMemory | ContactForce
-            | Pressure | NormalForce | FrictionState | MeanTangentialStress | MeanSlipRate
-            | MeanPressure | LoadDisplacement(_) | LoadVelocity(_) | ProbeDisplacement(_)
-            | ProbeVelocity(_) | DriveDisplacement(_) | DriveVelocity(_) | DriveForce(_)
-            | FoundationForce(_) | ExternalWork | ElasticEnergy | ViscousDissipation
-            | FrictionDissipation | Coefficient(_) => Tangent::Linear,
+            Input(_) | TangentialStress | SlipRate | Slip | AccumulatedSlip | SlipMemory
+            | ContactForce | Pressure | NormalForce | FrictionState | MeanTangentialStress
+            | MeanSlipRate | MeanPressure | LoadDisplacement(_) | LoadVelocity(_)
+            | ProbeDisplacement(_) | ProbeVelocity(_) | DriveDisplacement(_) | DriveVelocity(_)
+            | DriveForce(_) | FoundationForce(_) | ExternalWork | ElasticEnergy
+            | ViscousDissipation | FrictionDissipation | Coefficient(_) => Tangent::Linear,
             BalanceError => Tangent::Balance,
             Stick | Status | StickFraction | OpenFraction | Iterations | Residual | Solutions
             | SolutionGap | ErrorEstimate | LostDigits => Tangent::Zero,

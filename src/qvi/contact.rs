@@ -80,9 +80,13 @@ pub fn of_scene(
         force
     };
     let mut problem = Inequality::new(Space::with_product(on_pattern(strains)?)?, a, force);
+    let start = match &body.initial {
+        Some(initial) => DVector::from_column_slice(&initial.field),
+        None => DVector::zeros(n),
+    };
     let nodes = nodes(compilation);
     problem.histories = vec![
-        HistoryOperator::new(Kernel::constant(1.0), DVector::zeros(n)),
+        HistoryOperator::new(Kernel::constant(1.0), start),
         slip(kernel(model.friction().kernel()), nodes.clone()),
     ];
     problem.phi = Box::new(LinearPhi(vec![Some(b), None]));

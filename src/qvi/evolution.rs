@@ -105,7 +105,7 @@ impl<'a> Evolution<'a> {
             // those of the first rows; later rows are the user's word
             for (row, j) in (0..4).flat_map(|row| (0..=row).map(move |j| (row, j))) {
                 let found = weights.weight(k, row, j);
-                if !(found >= 0.0) {
+                if found < 0.0 || found.is_nan() {
                     return Err(SolveError::Value {
                         what: format!("weight {j} in row {row} of a quadrature"),
                         found,
@@ -303,7 +303,7 @@ impl<'a> Evolution<'a> {
         if let Some(given) = given {
             coefficients.copy_from_slice(given);
         }
-        if let Some(found) = coefficients.iter().find(|c| !(**c >= 0.0)) {
+        if let Some(found) = coefficients.iter().find(|c| **c < 0.0 || c.is_nan()) {
             return Err(SolveError::Value {
                 what: "a coefficient of phi or j".to_owned(),
                 found: *found,
@@ -325,17 +325,22 @@ impl<'a> Evolution<'a> {
             .collect();
         if let Some(a) = of.operator.matrix() {
             let key: Vec<Own> = implicit.iter().map(|(_, own)| own.clone()).collect();
-            let is_kept = self
+            if self
                 .condensed
                 .as_ref()
-                .is_some_and(|(kept, _)| *kept == key);
-            if !is_kept {
-                let matrix = implicit
-                    .iter()
-                    .fold(a.clone(), |sum, (b, own)| add(&sum, b, own));
-                self.condensed = Some((key, Condensed::new(&matrix, nonsmooth)?));
+                .is_some_and(|(kept, _)| *kept != key)
+            {
+                self.condensed = None;
             }
-            let (_, condensed) = self.condensed.as_mut().expect("made above");
+            let condensed = match &mut self.condensed {
+                Some((_, condensed)) => condensed,
+                slot @ None => {
+                    let matrix = implicit
+                        .iter()
+                        .fold(a.clone(), |sum, (b, own)| add(&sum, b, own));
+                    &mut slot.insert((key, Condensed::new(&matrix, nonsmooth)?)).1
+                }
+            };
             return condensed.solve(&r, &coefficients, nonsmooth, eta, tolerance);
         }
         let [m, l] = of.operator.constants().ok_or(SolveError::NoConstants)?;
@@ -348,7 +353,7 @@ impl<'a> Evolution<'a> {
             constants[0] += smallest_symmetric_eigenvalue(&history);
             constants[1] += largest_singular_value(&history);
         }
-        if !(constants[0] > 0.0) {
+        if constants[0] <= 0.0 || constants[0].is_nan() {
             return Err(SolveError::Singular);
         }
         let operator = |u: &DVector<f64>| match implicit.is_empty() {

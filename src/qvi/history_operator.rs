@@ -11,6 +11,9 @@ use super::kernel::{Kernel, Own, Past};
 use super::{Quadrature, SolveError, Space};
 use nalgebra::{DMatrix, DVector};
 
+/// A map of vectors.
+pub type MapOfVectors = Box<dyn Fn(&DVector<f64>) -> DVector<f64>>;
+
 /// iota: what of v is integrated.
 pub enum Integrand {
     /// v itself.
@@ -19,7 +22,7 @@ pub enum Integrand {
     Map {
         dimension: usize,
         lipschitz: f64,
-        of: Box<dyn Fn(&DVector<f64>) -> DVector<f64>>,
+        of: MapOfVectors,
     },
 }
 

@@ -69,6 +69,7 @@ impl SparseSymmetric {
             row_idx,
             a: Vec::new(),
             b: Vec::new(),
+            memory: Vec::new(),
         };
         SparseSymmetric::on(Arc::new(pattern), values)
     }
@@ -108,10 +109,11 @@ impl Matrix {
             Matrix::Sparse(SparseSymmetric { pattern, values }) => {
                 let mut dense = DMatrix::zeros(pattern.n, pattern.n);
                 for j in 0..pattern.n {
-                    for at in pattern.col_ptr[j]..pattern.col_ptr[j + 1] {
-                        let i = pattern.row_idx[at];
-                        dense[(i, j)] = values[at];
-                        dense[(j, i)] = values[at];
+                    let column = pattern.col_ptr[j]..pattern.col_ptr[j + 1];
+                    let rows = &pattern.row_idx[column.clone()];
+                    for (i, value) in rows.iter().zip(&values[column]) {
+                        dense[(*i, j)] = *value;
+                        dense[(j, *i)] = *value;
                     }
                 }
                 dense

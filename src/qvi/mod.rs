@@ -64,7 +64,7 @@ pub use evolution::{Evolution, Iterations, Settings, Solver, Trajectory, solve};
 pub use functional::{
     Coefficients, Functional, Linear, LinearPhi, Norm, Nothing, Part, PositivePart, Shape, Sum,
 };
-pub use history_operator::{HistoryOperator, Integrand};
+pub use history_operator::{HistoryOperator, Integrand, MapOfVectors};
 pub use inequality::Inequality;
 pub use kernel::{ExponentialTerm, Kernel, Own, SeparableTerm, fractional_kernel};
 pub use matrix::{Matrix, SparseSymmetric};

@@ -56,7 +56,7 @@ impl Bounds {
     pub fn new(lower: DVector<f64>, upper: DVector<f64>) -> Result<Bounds, SolveError> {
         SolveError::check_shape("upper bounds of a box", lower.len(), upper.len())?;
         for (i, (low, high)) in lower.iter().zip(&upper).enumerate() {
-            if !(low <= high) {
+            if low > high || low.is_nan() || high.is_nan() {
                 return Err(SolveError::Value {
                     what: format!("lower bound {i} of a box"),
                     found: *low,

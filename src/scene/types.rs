@@ -23,8 +23,10 @@ pub use run::*;
 pub use crate::element::ElementKind;
 pub use crate::expression::{PlaceFormula, PlaceValue};
 pub use crate::material::{
-    Convention, Elasticity, IsotropicElasticity, IsotropicViscosity, Material, MatrixLaw,
-    Orthotropic, RegionMaterial, Viscosity,
+    Branch, BulkMemory, Convention, DynamicMemory, Elasticity, FractionalKernel, FractionalMemory,
+    Frequency, IsotropicBranch, IsotropicElasticity, IsotropicViscosity, Material, MatrixLaw,
+    Memory, Moduli, Orthotropic, RegionMaterial, RelativeMemory, RelativeTerm, RelaxationMemory,
+    Viscosity,
 };
 pub use crate::mesh::{Axis, BoxMesh, GmshMesh, Grid, MeshSpec, Rectangle, Refinement, RegionBox};
 
@@ -104,6 +106,7 @@ impl Scene {
             operators: Operators {
                 viscosity: &m.viscosity,
                 elasticity: &m.elasticity,
+                memory: &m.memory,
             },
         });
         let by_region = self.materials.iter().enumerate().map(|(i, m)| Placed {
@@ -112,6 +115,7 @@ impl Scene {
             operators: Operators {
                 viscosity: &m.viscosity,
                 elasticity: &m.elasticity,
+                memory: &m.memory,
             },
         });
         whole.chain(by_region).collect()
@@ -126,10 +130,31 @@ impl Scene {
         self.materials().into_iter().flat_map(of).collect()
     }
 
+    /// The materials with memory: their places in the scene, how many branches each has, and the largest relative error of the fit
+    /// that these come from, where there was one.
+    pub fn memories(&self) -> Vec<(String, usize, Option<f64>)> {
+        let with_memory = self.materials().into_iter();
+        with_memory
+            .filter(|placed| !placed.operators.memory.is_none())
+            .map(|placed| {
+                let (branches, error) = placed.operators.memory_fit();
+                (format!("{}.memory", placed.path), branches, error)
+            })
+            .collect()
+    }
+
+    /// Whether all materials have a dashpot, so that velocities at a given displacement are determined.
+    pub(crate) fn has_dashpots(&self) -> bool {
+        let mut materials = self.materials().into_iter();
+        materials.all(|placed| placed.operators.has_dashpot())
+    }
+
     /// The time scheme, with what `auto` stands for.
     pub fn scheme(&self) -> Scheme {
         match (self.time.scheme, &self.contact.condition) {
-            (Scheme::Auto, Condition::Bilateral) if !self.has_approach() => Scheme::Trapezoid,
+            (Scheme::Auto, Condition::Bilateral) if !self.has_approach() && self.has_dashpots() => {
+                Scheme::Trapezoid
+            }
             (Scheme::Auto, _) => Scheme::TrBdf2,
             (given, _) => given,
         }

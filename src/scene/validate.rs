@@ -40,6 +40,7 @@ pub(super) fn check_in(scene: &Scene, dimension: Option<usize>) -> Verdict {
         check_dimension(dimension, &probe.at, &format!("probes[{i}].at"))?;
     }
     check_time(&scene.time)?;
+    check_dashpots(scene)?;
     check_precision(&scene.fidelity)?;
     check_work_limit(scene)?;
     check_target(scene)?;
@@ -241,6 +242,43 @@ fn check_time(time: &Time) -> Verdict {
         })?;
     }
     Ok(())
+}
+
+/// Where a material has no dashpot, nothing gives its velocity at a fixed displacement: what needs one cannot be.
+fn check_dashpots(scene: &Scene) -> Verdict {
+    let materials = scene.materials();
+    let Some(without) = materials.iter().find(|m| !m.operators.has_dashpot()) else {
+        return Ok(());
+    };
+    let of = format!("{} has no dashpot (viscosity 0)", without.path);
+    let scheme = scene.scheme();
+    let is_stiff = matches!(scheme, Scheme::BackwardEuler | Scheme::TrBdf2);
+    let is_taken = is_stiff || (scheme == Scheme::Trapezoid && scene.time.force);
+    ensure(is_taken, || {
+        let why = match scheme {
+            Scheme::Trapezoid => "the trapezoid would ring for ever",
+            _ => "it needs the velocity at a fixed displacement",
+        };
+        let found = format!("{} where {of}: {why}", json(&scheme));
+        let allowed = match scheme {
+            Scheme::Trapezoid => "auto, tr_bdf2 or backward_euler; or time.force",
+            _ => "auto, tr_bdf2 or backward_euler",
+        };
+        Refusal::new("time.scheme", found, allowed)
+    })?;
+    ensure(scene.time.start == Start::Zero, || {
+        let found = format!(
+            "{} where {of}: a load would move it at once",
+            json(&scene.time.start)
+        );
+        let allowed =
+            "zero, with loads that begin at rest: the first step follows those that do not";
+        Refusal::new("time.start", found, allowed)
+    })?;
+    ensure(scene.time.tolerance.is_none(), || {
+        let found = format!("a value where {of}: errors are measured in the norm of the viscosity");
+        Refusal::new("time.tolerance", found, "equal steps")
+    })
 }
 
 fn check_signals(scene: &Scene) -> Verdict {

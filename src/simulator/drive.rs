@@ -57,10 +57,12 @@ impl<'a> Drive<'a> {
         Ok(drive)
     }
 
-    /// Goes on with a simulator that has been restored to a state of such a run.
+    /// Goes on with a simulator that has been restored to a state of such a run. Where a signal jumps at the time of the state the loads
+    /// are those behind the jump, also when the state is the end of a run that went no further.
     ///
     /// # Errors
-    /// [`crate::Error::Scene`] as for [`Drive::start`]; [`crate::Error::CallOrder`] before initialization.
+    /// [`crate::Error::Scene`] as for [`Drive::start`]; [`crate::Error::CallOrder`] before initialization; those of
+    /// [`Simulator::jump_inputs`].
     pub fn resume(scene: &'a Scene, simulator: &'a mut Simulator) -> Result<Drive<'a>> {
         let points = Points::checked(scene)?;
         if simulator.state().is_initialized == 0 {
@@ -70,13 +72,22 @@ impl<'a> Drive<'a> {
             });
         }
         simulator.reserve_bends(points_of(scene));
-        Ok(Drive {
+        let time = simulator.time();
+        let mut drive = Drive {
             values: vec![0.0; scene.inputs().count()],
-            passed: points.passed_at(simulator.time()),
+            passed: points.passed_at(time),
             scene,
             points,
             simulator,
-        })
+        };
+        if let Some([_, last]) = drive.points.jump_at(time)
+            && drive.simulator.inputs_meaning() == Inputs::EndOfStep
+            && drive.passed < drive.points.count
+        {
+            drive.evaluate(|signal| signal.at(last));
+            drive.simulator.jump_inputs(&drive.values)?;
+        }
+        Ok(drive)
     }
 
     /// The communication points.

@@ -86,6 +86,11 @@ impl Simulator {
         self.state.time
     }
 
+    /// Whether the simulation has begun.
+    pub fn is_initialized(&self) -> bool {
+        self.state.is_initialized != 0
+    }
+
     /// Starts the simulation at `time` with the body undeformed, or displaced as `initial.displacement` says; inputs set before are
     /// the loads at that instant.
     ///
@@ -93,7 +98,7 @@ impl Simulator {
     /// [`Error::CallOrder`] when already initialized, [`Error::Value`] for a time that is not finite or for friction
     /// coefficients that do not fit each other, [`Error::NotConverged`], [`Error::Overflow`].
     pub fn init(&mut self, time: f64) -> Result<()> {
-        if self.state.is_initialized != 0 {
+        if self.is_initialized() {
             return Err(Error::CallOrder {
                 call: "init",
                 expected: "init is called once; reset starts over",
@@ -290,7 +295,7 @@ impl Simulator {
     /// that do not fit each other, [`Error::NotConverged`], [`Error::ToleranceOutOfReach`], [`Error::Overflow`] for results
     /// that are too large for a number. The state is then bit for bit what it was.
     pub fn do_step(&mut self, time: f64, step: f64) -> Result<()> {
-        if self.state.is_initialized == 0 {
+        if !self.is_initialized() {
             return Err(Error::CallOrder {
                 call: "do_step",
                 expected: "init first",
@@ -368,7 +373,7 @@ impl Simulator {
         call: &'static str,
         solve: impl FnOnce(&Model, &State, &mut Workspace) -> Result<()>,
     ) -> Result<()> {
-        if self.state.is_initialized == 0 {
+        if !self.is_initialized() {
             return Err(Error::CallOrder {
                 call,
                 expected: "init first",

@@ -35,6 +35,15 @@ impl State {
         bytes
     }
 
+    /// Time of a state in bytes, s, without its model. Whoever restores the state checks the rest of it.
+    ///
+    /// # Errors
+    /// [`crate::Error::Bytes`] for bytes that are not a state of this format, or damaged.
+    pub fn time_of(bytes: &[u8]) -> Result<f64> {
+        let (_, payload) = FRAME.open(bytes)?;
+        Reader::new(payload).word().map(f64::from_bits)
+    }
+
     /// Writes the bytes of [`State::to_bytes`] without allocating; `out` has [`State::byte_len`] bytes.
     pub(crate) fn write_bytes(&self, out: &mut [u8]) {
         let values = self

@@ -55,7 +55,11 @@ fn compare(value: &Value, rule: &Quadrature) -> usize {
             let [displacement, slip] = run.histories() else {
                 panic!("two histories")
             };
-            let off = relative(displacement.as_slice(), state.displacement());
+            let initial = compilation.body.initial.as_ref();
+            let initial = initial.map_or(vec![0.0; w.len()], |initial| initial.field.clone());
+            let fields = state.displacement().iter().zip(&initial);
+            let of_simulator: Vec<f64> = fields.map(|(u, start)| u + start).collect();
+            let off = relative(displacement.as_slice(), &of_simulator);
             assert!(off < 1e-10, "displacement of step {n}: {off:e}");
             let port = match value["contact"]["friction"]["memory"].is_null() {
                 true => "contact.accumulated_slip",
@@ -115,6 +119,15 @@ fn friction_with_a_memory_of_slip_is_an_instance() {
         "bound": {"kind": "slip_weakening", "static": 0.05, "dynamic": 0.03, "distance": 0.03},
         "memory": {"kernel": [{"weight": 1.0, "tau": 0.3}, {"weight": 0.5, "tau": 0.02}]}});
     compare(&pad(friction, "trapezoid", rectangle()), &Quadrature::Mean);
+}
+
+#[test]
+fn a_body_that_starts_displaced_is_an_instance() {
+    let friction = json!({"law": "exponential", "a": 0.05, "b": 0.02, "alpha": 2.0});
+    let mut value = pad(friction, "trapezoid", rectangle());
+    let component = |text: &str| json!({ "expression": text });
+    value["initial"]["displacement"] = json!([component("0.02 * x"), component("0.01 * x * y")]);
+    compare(&value, &Quadrature::Trapezoid);
 }
 
 #[test]

@@ -36,6 +36,11 @@ impl Basis {
         self.images.get(.., ..self.len)
     }
 
+    /// The fields.
+    pub fn fields(&self) -> MatRef<'_, f64> {
+        self.fields.get(.., ..self.len)
+    }
+
     pub fn into_fields(mut self) -> Mat<f64> {
         let n = self.fields.nrows();
         self.fields.resize_with(n, self.len, |_, _| 0.0);

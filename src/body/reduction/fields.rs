@@ -70,7 +70,7 @@ pub fn held_loads(loads: usize) -> usize {
 
 /// Orthonormal fields.
 pub struct Fields {
-    /// The fields Q, by dofs: n x k.
+    /// The fields Q, by dofs, with the branches of the memory: field length x k.
     pub fields: Mat<f64>,
     /// B, divided by the reference rate, on the fields: k x k.
     pub elasticity: Mat<f64>,
@@ -83,7 +83,7 @@ pub struct Fields {
     /// Which fields are those of Q_1, in the order of the columns of T, and of Q_2.
     first: Vec<usize>,
     last: Vec<usize>,
-    /// A Q_2: n x last.
+    /// A Q_2: field length x last.
     last_images: Mat<f64>,
 }
 
@@ -99,17 +99,19 @@ impl Fields {
         let [viscosity, elasticity] = [0.0, FRAC_PI_2].map(|angle| sampler.operator(angle));
         let levels = depth.loads.max(depth.smooth);
         let most = levels * forces.ncols();
-        let mut basis = Basis::new(forces.nrows(), most);
+        let mut basis = Basis::new(sampler.field_len(), most);
         let mut recurrence = Mat::<f64>::zeros(most, most);
         let mut first = Vec::new();
         // the fields that are responded to next, and whether they come from a load
         let mut current: Vec<usize> = Vec::new();
         let mut is_load: Vec<bool> = (0..forces.ncols()).map(|j| j < loads).collect();
         let mut latest = forces;
+        let mut of: Option<Mat<f64>> = None;
         for level in 1..=levels {
             sampler.respond(&sample.lower, latest.as_mut());
+            latest = sampler.with_branches(latest, of.as_ref().map(Mat::as_ref));
             let from = basis.len();
-            let kept = basis.add(latest.clone(), |x| sampler.apply(&viscosity, x));
+            let kept = basis.add(latest.clone(), |x| sampler.viscous_images(&viscosity, x));
             let shares = basis.images().transpose() * latest.get(.., ..current.len());
             let to = first.len()..first.len() + current.len();
             let mut block = recurrence.get_mut(..shares.nrows(), to);
@@ -121,13 +123,16 @@ impl Fields {
                 .filter(|&(_, is_load)| goes_on(is_load))
                 .map(|(i, is_load)| (from + i, is_load))
                 .unzip();
-            latest = columns(basis.images(), &current);
+            latest = sampler.eliminated_image(columns(basis.images(), &current).as_ref());
+            if sampler.has_memory() {
+                of = Some(columns(basis.fields(), &current));
+            }
         }
         let last: Vec<usize> = (0..basis.len()).filter(|j| !first.contains(j)).collect();
         let last_images = columns(basis.images(), &last);
         let recurrence = recurrence.get(..basis.len(), ..first.len()).to_owned();
         let fields = basis.into_fields();
-        let stiff = fields.transpose() * sampler.apply(&elasticity, fields.as_ref());
+        let stiff = sampler.elastic_gram(&elasticity, fields.as_ref());
         Fields {
             elasticity: stiff,
             seen: sampler.ports().observe(fields.as_ref()),
@@ -150,7 +155,8 @@ impl Fields {
         let ((c, d), (ci, di)) = (shift(self.angle), shift(sampler.angle()));
         let alpha = di / d;
         let beta = ci - c * alpha;
-        let of_last = sampler.observe_responses(sample, self.last_images.as_ref());
+        let of_last = sampler.eliminated_image(self.last_images.as_ref());
+        let of_last = sampler.observe_responses(sample, of_last.as_ref());
         let (first, last) = (&self.first, &self.last);
         let others = Mat::from_fn(last.len(), first.len(), |i, j| {
             self.recurrence[(last[i], j)]
@@ -200,7 +206,7 @@ mod tests {
         let (col_ptr, row_idx) = (&operators.col_ptr, &operators.row_idx);
         let cholesky = SparseCholesky::new(col_ptr, row_idx, &body.interior_places()).unwrap();
         let ports = PortMatrix::new(&body);
-        let mut sampler = Sampler::new(&ports, operators, &cholesky, 10.0);
+        let mut sampler = Sampler::new(&ports, operators, &cholesky, (10.0, 0.0));
         let middle = sampler.sample(0.8).unwrap();
         let smooth = Mat::from_fn(ports.contact_len, 2, |i, j| ((i * (j + 1)) as f64).cos());
         let forces = ports.forces(1, &smooth);

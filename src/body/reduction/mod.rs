@@ -33,7 +33,7 @@ use fields::{Depth, held_loads};
 use galerkin::{Modes, Projection};
 use samples::Sampled;
 use scaling::Scaling;
-use shifts::Shifts;
+use shifts::{Derivatives, Shifts};
 use transfer::Sampler;
 
 /// The response of the contact to loads must be more accurate than the tolerance, by this factor at most. Friction is a small
@@ -49,6 +49,8 @@ const LOAD_WEIGHT: f64 = 5.0;
 const TRUNCATION_SHARES: [f64; 4] = [0.1, 0.02, 0.3, 1.0];
 /// Shifts of the samples that judge a body with rates too far apart for a plan.
 const JUDGING_SHIFTS: usize = 4;
+/// Multiplications of a derivative that `auto` computes at most, per shift: seconds.
+const DEAREST_DERIVATIVE: f64 = 4e9;
 /// Rates outside the interval of the material come from errors of the samples and matter little. One that changes the transfer
 /// matrix by more than this share, however many responses are kept, shows an error before the reduction.
 const OUTLIER: f64 = 1e-2;
@@ -81,6 +83,8 @@ pub struct Synthesis {
     pub angles: Vec<f64>,
     /// Reference rate that scales B, 1/s.
     pub reference_rate: f64,
+    /// Time that makes A positive with B, s; see `transfer`.
+    pub sigma: f64,
 }
 
 /// Reduces `body` until the samples between the shifts agree to the tolerance, in the precision in which it is to be kept.
@@ -98,9 +102,10 @@ pub fn reduce(
     watch: &mut Watch,
 ) -> Result<Reduction> {
     let (tolerance, precision) = (fidelity.tolerance, fidelity.precision);
-    let [slowest, fastest] = body.element_rates;
     let reference_rate = sampler.reference_rate();
-    let interval = [slowest / reference_rate, fastest / reference_rate];
+    let sigma = sampler.sigma();
+    let rates = body.element_rates.map(|rate| bounded(rate, sigma));
+    let interval = rates.map(|rate| rate / reference_rate);
     let ports = sampler.ports();
     let loads = body.force_columns().count();
     let of_loads = |value: f64| -> Vec<f64> {
@@ -127,11 +132,21 @@ pub fn reduce(
         closest: (f64::INFINITY, 0),
         outlying: None,
     };
-    let mut planned = Shifts::for_tolerance(interval, tolerance);
-    let mut judge = None;
+    let (mut planned, mut judge) = (None, None);
     // the plan is for an even spectrum; a body that needs more than one shift beyond it is at the limit of rounding
-    for _ in 0..2 {
-        let Some(shifts) = planned else { break };
+    for (derivatives, count) in ways(body, sampler, fidelity)
+        .iter()
+        .flat_map(|w| [(w, 0), (w, 1)])
+    {
+        let plan = match count {
+            0 => Shifts::for_tolerance(interval, tolerance, *derivatives),
+            _ => planned,
+        };
+        planned = None;
+        let Some(shifts) = plan else { continue };
+        if judge.is_some() && count == 0 && !shifts.computes_derivatives() {
+            break;
+        }
         let of_fields = (held_loads, depth);
         let sampled = Sampled::new(sampler, ends, shifts, &weights, &emphasis, of_fields, watch)?;
         let smooth = 0..sampled.turn.len();
@@ -145,18 +160,24 @@ pub fn reduce(
             found = search.truncate(&projection, &sampled)?;
         }
         if let Some(truncated) = found {
-            let f = finish(truncated, sampled, loads, reference_rate);
-            return Ok(f);
+            let n = body.len();
+            return Ok(finish(
+                truncated,
+                sampled,
+                loads,
+                (reference_rate, sigma),
+                n,
+            ));
         }
-        planned = sampled.shifts.refined(interval, tolerance);
+        planned = sampled.shifts.refined(interval, tolerance, *derivatives);
         judge = Some(sampled);
     }
     // `auto` has a better answer to that
-    if fidelity.model == ModelKind::Reduced && whole::is_small(body.len()) {
+    if has_whole(body, fidelity) {
         let mut sampled = match judge {
             Some(sampled) => sampled,
             None => {
-                let shifts = Shifts::new(interval, JUDGING_SHIFTS, tolerance);
+                let shifts = Shifts::new(interval, JUDGING_SHIFTS, tolerance, Derivatives::Sampled);
                 let of_fields = (held_loads, depth);
                 Sampled::new(sampler, ends, shifts, &weights, &emphasis, of_fields, watch)?
             }
@@ -166,10 +187,45 @@ pub fn reduce(
         let (modes, fields) = whole::modes(operators, sampler, scaling, size, interval)?;
         if let Some(truncated) = search.judge(modes, &sampled)? {
             sampled.fields.fields = fields;
-            return Ok(finish(truncated, sampled, loads, reference_rate));
+            let n = body.len();
+            return Ok(finish(
+                truncated,
+                sampled,
+                loads,
+                (reference_rate, sigma),
+                n,
+            ));
         }
     }
-    Err(search.failure(body.element_rates, reference_rate))
+    Err(search.failure(rates, reference_rate))
+}
+
+/// A rate of the pair (A, B) as one of (A + sigma B, B).
+pub(crate) fn bounded(rate: f64, sigma: f64) -> f64 {
+    match sigma {
+        0.0 => rate,
+        _ => 1.0 / (1.0 / rate + sigma),
+    }
+}
+
+/// Whether all modes of the body are the last resort.
+fn has_whole(body: &Body, fidelity: &Fidelity) -> bool {
+    fidelity.model == ModelKind::Reduced
+        && whole::is_small(body.len())
+        && body.operators.memory.is_empty()
+        && body.forms.have_dashpots()
+}
+
+/// Where derivatives may come from, in the order in which that is tried. `auto` does not compute dear ones: it has the condensed model.
+fn ways(body: &Body, sampler: &Sampler, fidelity: &Fidelity) -> &'static [Derivatives] {
+    let is_dear = sampler.derivative_work() > DEAREST_DERIVATIVE;
+    if has_whole(body, fidelity) || (is_dear && fidelity.model != ModelKind::Reduced) {
+        &[Derivatives::Sampled]
+    } else if body.operators.memory.is_empty() && body.forms.have_dashpots() {
+        &[Derivatives::Sampled, Derivatives::Computed]
+    } else {
+        &[Derivatives::Computed]
+    }
 }
 
 /// The search for the smallest truncation that meets the tolerance.
@@ -268,8 +324,14 @@ fn keep(modes: &mut Modes, scaling: &Scaling, precision: Precision) -> (StoredMa
     (contact, outputs.to_owned())
 }
 
-/// The truncated modes in the units of the scene.
-fn finish(truncated: Truncated, sampled: Sampled, loads: usize, reference_rate: f64) -> Reduction {
+/// The truncated modes in the units of the scene, of a body of `n` dofs.
+fn finish(
+    truncated: Truncated,
+    sampled: Sampled,
+    loads: usize,
+    (reference_rate, sigma): (f64, f64),
+    n: usize,
+) -> Reduction {
     let Truncated {
         modes,
         ports: (contact, outputs),
@@ -290,6 +352,7 @@ fn finish(truncated: Truncated, sampled: Sampled, loads: usize, reference_rate: 
             outputs,
             loads,
             strain: None,
+            sigma,
             rates: modes.rates.iter().map(|r| r * reference_rate).collect(),
         },
         record: ReductionRecord {
@@ -299,7 +362,9 @@ fn finish(truncated: Truncated, sampled: Sampled, loads: usize, reference_rate: 
         synthesis: Synthesis {
             forces,
             reference_rate,
-            fields: sampled.fields.fields,
+            sigma,
+            // without the branches of the memory
+            fields: sampled.fields.fields.get(..n, ..).to_owned(),
             of_fields: modes.fields,
             angles: (0..shifts.count()).map(|i| shifts.angle(i)).collect(),
         },

@@ -58,6 +58,22 @@ impl PortMatrix {
         forces
     }
 
+    /// Some columns of P.
+    pub fn columns(&self, range: std::ops::Range<usize>) -> Mat<f64> {
+        let mut columns = Mat::zeros(self.rows, range.len());
+        for (j, port) in range.enumerate() {
+            match port.checked_sub(self.contact_len) {
+                None => columns[(self.interior() + port, j)] = 1.0,
+                Some(other) => {
+                    for &(dof, value) in &self.others[other] {
+                        columns[(dof, j)] += value;
+                    }
+                }
+            }
+        }
+        columns
+    }
+
     /// `P^T x`: ports x columns.
     pub fn observe(&self, x: MatRef<f64>) -> Mat<f64> {
         let (contact, interior) = (self.contact_len, self.interior());

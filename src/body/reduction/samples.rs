@@ -60,6 +60,7 @@ impl<'a> Sampled<'a> {
             .forces(loads, &scaling.contact_forces(&directions));
         let mut fields = Fields::new(sampler, &reference, (forces, loads), depth);
         let (mut transfer, mut factors, mut couplings) = (Vec::new(), Vec::new(), Vec::new());
+        let mut computed = Vec::new();
         for (at, angle) in shifts.angles.iter().enumerate() {
             let done = at as f64 / shifts.angles.len() as f64;
             watch.report(
@@ -78,15 +79,21 @@ impl<'a> Sampled<'a> {
             if shifts.shifts.contains(&at) {
                 let seen = fields.couple(sampler, sample);
                 couplings.push(scaling.apply_to_velocities(&seen));
+                if shifts.computes_derivatives() {
+                    computed.push(scaling.apply_to_matrix(&sampler.derivative(sample)));
+                }
             }
             let scaled = scaling.apply(sample);
             transfer.push(scaled.h);
             factors.push(scaled.z);
         }
         fields.seen = scaling.apply_to_velocities(&fields.seen);
-        let derivatives = (0..shifts.count())
-            .map(|i| shifts.derivative(i, &transfer))
-            .collect();
+        let derivatives = match shifts.computes_derivatives() {
+            true => computed,
+            false => (0..shifts.count())
+                .map(|i| shifts.derivative(i, &transfer))
+                .collect(),
+        };
         Ok(Sampled {
             shifts,
             scaling,

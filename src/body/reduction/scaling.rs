@@ -118,6 +118,12 @@ impl Scaling {
         out
     }
 
+    /// A symmetric matrix of velocities by forces (ports x ports) in these units.
+    pub fn apply_to_matrix(&self, matrix: &Mat<f64>) -> Mat<f64> {
+        let half = self.apply_to_velocities(matrix);
+        self.apply_to_velocities(&half.transpose().to_owned())
+    }
+
     /// Contact forces (N) of scaled ones, contact x columns.
     pub fn contact_forces(&self, scaled: &Mat<f64>) -> Mat<f64> {
         &self.lower * scaled

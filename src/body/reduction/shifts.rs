@@ -12,6 +12,7 @@
 //!
 //! interpolates `h` with an error that falls geometrically in `S` (rational interpolation with prescribed poles; the
 //! narrower the interval, the faster: about 20 times per angle for the paper's material, twice that order for the projection).
+//! For rates decades apart it is no better than 1e-7, and derivatives are computed instead (`transfer`), where that is allowed.
 
 use super::zolotarev::{angle_of, modulus, slowest, spread, zolotarev_angles};
 use faer::{Col, Mat, Side};
@@ -36,6 +37,15 @@ const NARROWEST: f64 = 0.05;
 /// Rates of the model spectrum.
 const MODEL_RATES: usize = 48;
 
+/// Where the derivatives at the shifts come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Derivatives {
+    /// The samples.
+    Sampled,
+    /// The samples where they are accurate enough, else responses of the body to all ports at the shifts.
+    Computed,
+}
+
 /// Angles of the samples, and how they are used.
 pub struct Shifts {
     /// Angles, ascending, from 0 to a quarter turn and a little beyond.
@@ -44,8 +54,8 @@ pub struct Shifts {
     pub shifts: Vec<usize>,
     /// Indices of the angles that test the projection: the first one is the instantaneous response, the last one the long-time one.
     pub tests: Vec<usize>,
-    /// Weights of the derivative by the angle at shift i (row) from the samples (column).
-    derivative: Vec<Vec<f64>>,
+    /// Weights of the derivative by the angle at shift i (row) from the samples (column); `None` where derivatives are computed.
+    derivative: Option<Vec<Vec<f64>>>,
     /// Largest error of a derivative, relative to the response of one rate.
     pub derivative_error: f64,
 }
@@ -62,26 +72,50 @@ pub fn shift(angle: f64) -> (f64, f64) {
 impl Shifts {
     /// The fewest shifts that reduce a body with rates in `interval` (relative to the reference rate) to `tolerance`, as far
     /// as the model spectrum of [`projection_error`] tells; `None` when there would be too many.
-    pub fn for_tolerance(interval: [f64; 2], tolerance: f64) -> Option<Shifts> {
+    pub fn for_tolerance(
+        interval: [f64; 2],
+        tolerance: f64,
+        derivatives: Derivatives,
+    ) -> Option<Shifts> {
         (1..=MOST_SHIFTS)
             .find(|&count| {
                 projection_error(interval, &zolotarev_angles(interval, count)) <= SHARE * tolerance
             })
-            .map(|count| Shifts::new(interval, count, tolerance))
+            .map(|count| Shifts::new(interval, count, tolerance, derivatives))
     }
 
     /// `count` shifts, with samples beyond the ends until the derivatives are accurate enough for `tolerance`, or until there
-    /// are as many as allowed.
-    pub fn new(interval: [f64; 2], count: usize, tolerance: f64) -> Shifts {
+    /// are as many as allowed and derivatives are computed, or as good as they get.
+    pub fn new(
+        interval: [f64; 2],
+        count: usize,
+        tolerance: f64,
+        derivatives: Derivatives,
+    ) -> Shifts {
         let needed = (DERIVATIVE_SHARE * tolerance).max(DERIVATIVE_FLOOR);
         let mut extra = 0;
         loop {
             let shifts = Shifts::with_outer_samples(interval, count, extra);
-            if shifts.derivative_error <= needed || extra == MOST_OUTER {
+            if shifts.derivative_error <= needed {
                 return shifts;
+            }
+            if extra == MOST_OUTER {
+                return match derivatives {
+                    Derivatives::Sampled => shifts,
+                    Derivatives::Computed => Shifts {
+                        derivative: None,
+                        derivative_error: 0.0,
+                        ..Shifts::with_outer_samples(interval, count, 0)
+                    },
+                };
             }
             extra += 1;
         }
+    }
+
+    /// Whether derivatives are computed.
+    pub fn computes_derivatives(&self) -> bool {
+        self.derivative.is_none()
     }
 
     /// `count` shifts, and `extra` samples beyond each end.
@@ -109,15 +143,20 @@ impl Shifts {
             angles,
             shifts,
             tests,
-            derivative,
+            derivative: Some(derivative),
             derivative_error,
         }
     }
 
     /// One more shift.
-    pub fn refined(&self, interval: [f64; 2], tolerance: f64) -> Option<Shifts> {
+    pub fn refined(
+        &self,
+        interval: [f64; 2],
+        tolerance: f64,
+        derivatives: Derivatives,
+    ) -> Option<Shifts> {
         let count = self.count() + 1;
-        (count <= MOST_SHIFTS).then(|| Shifts::new(interval, count, tolerance))
+        (count <= MOST_SHIFTS).then(|| Shifts::new(interval, count, tolerance, derivatives))
     }
 
     /// Number of shifts.
@@ -136,10 +175,11 @@ impl Shifts {
         angles.map(|angle| reference_rate / angle.tan()).collect()
     }
 
-    /// Derivative by the angle at shift `i` of what was sampled at the angles.
+    /// Derivative by the angle at shift `i` of what was sampled at the angles; 0 where derivatives are computed.
     pub fn derivative(&self, i: usize, samples: &[Mat<f64>]) -> Mat<f64> {
         let mut sum = Mat::zeros(samples[0].nrows(), samples[0].ncols());
-        for (weight, sample) in self.derivative[i].iter().zip(samples) {
+        let weights = self.derivative.as_ref().map(|weights| &weights[i]);
+        for (weight, sample) in weights.into_iter().flatten().zip(samples) {
             for j in 0..sum.ncols() {
                 for (to, from) in sum.col_mut(j).iter_mut().zip(sample.col(j).iter()) {
                     *to += weight * from;
@@ -248,8 +288,10 @@ mod tests {
 
     #[test]
     fn tighter_tolerances_and_wider_intervals_take_more_shifts() {
-        let count =
-            |interval, tolerance| Shifts::for_tolerance(interval, tolerance).map(|s| s.count());
+        let count = |interval, tolerance| {
+            let found = Shifts::for_tolerance(interval, tolerance, Derivatives::Sampled);
+            found.map(|s| s.count())
+        };
         assert_eq!(count(INTERVAL, 1e-4), Some(2));
         assert_eq!(count(INTERVAL, 1e-6), Some(3));
         assert_eq!(count(INTERVAL, 1e-9), Some(4));
@@ -261,7 +303,8 @@ mod tests {
     #[test]
     fn outer_samples_sharpen_the_derivatives() {
         for tolerance in [1e-4, 1e-6, 1e-8, 1e-9] {
-            let shifts = Shifts::for_tolerance(INTERVAL, tolerance).unwrap();
+            let shifts = Shifts::for_tolerance(INTERVAL, tolerance, Derivatives::Computed).unwrap();
+            assert!(!shifts.computes_derivatives());
             assert!(shifts.angles.is_sorted());
             let plain = Shifts::with_outer_samples(INTERVAL, shifts.count(), 0);
             assert!(shifts.angles.len() > plain.angles.len());
@@ -273,6 +316,17 @@ mod tests {
                 assert!(INTERVAL.iter().all(|r| angle.cos() + angle.sin() * r > 0.3));
             }
         }
+    }
+
+    /// Of rates three decades apart they are not, and are computed where that is allowed.
+    #[test]
+    fn derivatives_of_rates_far_apart_are_computed() {
+        let wide = [0.04, 25.0];
+        let of = |derivatives| Shifts::for_tolerance(wide, 1e-8, derivatives).unwrap();
+        let (sampled, computed) = (of(Derivatives::Sampled), of(Derivatives::Computed));
+        assert!(sampled.derivative_error > 1e-8 && !sampled.computes_derivatives());
+        assert!(computed.derivative_error == 0.0 && computed.computes_derivatives());
+        assert_eq!(sampled.count(), computed.count());
     }
 
     #[test]

@@ -30,7 +30,7 @@ impl Synthesis {
             .for_each(|(f, o)| *f += o);
         for (i, angle) in self.angles.iter().enumerate() {
             let (c, d) = shift(*angle);
-            operators.combine(c, d / self.reference_rate, &mut values);
+            operators.combine(c, d / self.reference_rate + self.sigma * c, &mut values);
             cholesky.factor("the body operator", &values, &mut factor, &mut memory)?;
             let y: Vec<f64> = (0..m).map(|p| forces[i * m + p]).collect();
             ports.expand(&y, &mut part);
@@ -57,7 +57,7 @@ impl Synthesis {
         let mut column = vec![0.0; n];
         for (i, angle) in self.angles.iter().enumerate() {
             let (c, d) = shift(*angle);
-            operators.combine(c, d / self.reference_rate, &mut entries);
+            operators.combine(c, d / self.reference_rate + self.sigma * c, &mut entries);
             cholesky.factor("the body operator", &entries, &mut factor, &mut memory)?;
             for (mut field, forces) in fields.col_iter_mut().zip(self.forces.col_iter()) {
                 let y: Vec<f64> = forces.subrows(i * m, m).iter().copied().collect();

@@ -10,6 +10,17 @@
 //! ```
 //!
 //! Angle 0 is the instantaneous (viscous) response, a quarter turn the long-time (elastic) one.
+//!
+//! Where a material has no dashpot A is singular. Then `A + sigma B` stands for A, with a time sigma far below the implicit weights of
+//! steps: a change of the shift, `c A + d B = c (A + sigma B) + (d - c sigma) B`, that makes an infinite rate `1 / sigma`.
+//!
+//! With memory the pencil is that of `crate::body`, `A_ext = diag(A, tau_j C_j)`, `B_ext = [[B + sum C_j, -C_j], [-C_j, C_j]]`, its
+//! branches eliminated: `M(c, d) = c A + d B + sum_j c d tau_j / (c tau_j + d) C_j` stands for `c A + d B`, and a field x of the body
+//! with its branches (x_j) is responded to by
+//!
+//! ```text
+//! M u = A x + sum_j d tau_j / (c tau_j + d) C_j x_j,   q_j = (tau_j x_j + d u) / (c tau_j + d)
+//! ```
 
 use super::port_matrix::PortMatrix;
 use super::shifts::shift;
@@ -21,10 +32,12 @@ use faer::linalg::triangular_solve::{
     solve_lower_triangular_in_place, solve_upper_triangular_in_place,
 };
 use faer::reborrow::ReborrowMut;
-use faer::{Mat, MatMut, MatRef, Par};
+use faer::{Mat, MatMut, MatRef, Par, Scale, unzip, zip};
 
 /// Columns that go through the factor together: a pass over it costs more than the arithmetic on one column.
 const WIDTH: usize = 4;
+/// Columns whose responses are held at a time.
+const BLOCK: usize = 32;
 /// Rows whose products are summed by themselves first.
 const PIECE: usize = 256;
 
@@ -47,6 +60,8 @@ pub struct Sampler<'a> {
     operators: &'a OperatorPair,
     cholesky: &'a SparseCholesky,
     reference_rate: f64,
+    /// sigma, s; 0 where A is positive.
+    sigma: f64,
     angle: f64,
     values: Vec<f64>,
     factor: Vec<f64>,
@@ -63,7 +78,7 @@ impl<'a> Sampler<'a> {
         ports: &'a PortMatrix,
         operators: &'a OperatorPair,
         cholesky: &'a SparseCholesky,
-        reference_rate: f64,
+        (reference_rate, sigma): (f64, f64),
     ) -> Sampler<'a> {
         let empty = || vec![[0.0; WIDTH]; ports.rows];
         let of_group = |columns: &[Vec<(usize, f64)>]| {
@@ -81,6 +96,7 @@ impl<'a> Sampler<'a> {
             operators,
             cholesky,
             reference_rate,
+            sigma,
             angle: 0.0,
             values: vec![0.0; operators.row_idx.len()],
             factor: vec![0.0; cholesky.len()],
@@ -97,10 +113,10 @@ impl<'a> Sampler<'a> {
     /// # Errors
     /// [`crate::Error::NotPositiveDefinite`] when the body is not held.
     pub fn sample(&mut self, angle: f64) -> Result<Sample> {
-        let (c, d) = shift(angle);
         self.angle = angle;
+        let (c, d) = self.scaled_shift(angle);
         let operators = self.operators;
-        operators.combine(c, d / self.reference_rate, &mut self.values);
+        operators.combine(c, d, &mut self.values);
         self.cholesky.factor(
             "the body operator c A + d B (is the body clamped or otherwise held?)",
             &self.values,
@@ -140,6 +156,11 @@ impl<'a> Sampler<'a> {
         self.reference_rate
     }
 
+    /// sigma, s.
+    pub fn sigma(&self) -> f64 {
+        self.sigma
+    }
+
     /// The angle of the last sample.
     pub fn angle(&self) -> f64 {
         self.angle
@@ -147,10 +168,9 @@ impl<'a> Sampler<'a> {
 
     /// Values of the operator at `angle`.
     pub fn operator(&self, angle: f64) -> Vec<f64> {
-        let (c, d) = shift(angle);
+        let (c, d) = self.scaled_shift(angle);
         let mut values = vec![0.0; self.operators.row_idx.len()];
-        self.operators
-            .combine(c, d / self.reference_rate, &mut values);
+        self.operators.combine(c, d, &mut values);
         values
     }
 
@@ -164,6 +184,98 @@ impl<'a> Sampler<'a> {
             get_columns(&self.rows, out.as_mut(), j);
         }
         out
+    }
+
+    /// Whether the body has memory: fields then hold its branches too.
+    pub fn has_memory(&self) -> bool {
+        !self.operators.memory.is_empty()
+    }
+
+    /// Rows of a field with the branches of the memory.
+    pub fn field_len(&self) -> usize {
+        self.ports.rows * (1 + self.operators.memory.len())
+    }
+
+    /// `A_ext x` (with sigma `B_ext x` added) for the columns of `x`; `viscosity` has the values of A (with those of sigma B).
+    pub fn viscous_images(&mut self, viscosity: &[f64], x: MatRef<f64>) -> Mat<f64> {
+        let (n, operators) = (self.ports.rows, self.operators);
+        let mut out = Mat::zeros(x.nrows(), x.ncols());
+        let own = self.apply(viscosity, x.subrows(0, n));
+        out.as_mut().subrows_mut(0, n).copy_from(own);
+        for (j, branch) in operators.memory.iter().enumerate() {
+            let at = (1 + j) * n;
+            let image = self.apply(&branch.c, x.subrows(at, n));
+            let to = out.as_mut().subrows_mut(at, n);
+            zip!(to, &image).for_each(|unzip!(to, image)| *to = branch.tau * image);
+            if self.sigma > 0.0 {
+                let lag = x.subrows(0, n) - x.subrows(at, n);
+                let force = Scale(self.sigma) * self.apply(&branch.c, lag.as_ref());
+                let mut own = out.as_mut().subrows_mut(0, n);
+                own += &force;
+                let mut to = out.as_mut().subrows_mut(at, n);
+                to -= &force;
+            }
+        }
+        out
+    }
+
+    /// `x . B_ext y` divided by the reference rate, for all columns of `x` with themselves; `elasticity` has the values of B by
+    /// that rate.
+    pub fn elastic_gram(&mut self, elasticity: &[f64], x: MatRef<f64>) -> Mat<f64> {
+        let (n, operators) = (self.ports.rows, self.operators);
+        let own = x.subrows(0, n);
+        let mut gram = own.transpose() * self.apply(elasticity, own);
+        for (j, branch) in operators.memory.iter().enumerate() {
+            let lag = own - x.subrows((1 + j) * n, n);
+            let image = self.apply(&branch.c, lag.as_ref());
+            gram += Scale(1.0 / self.reference_rate) * (lag.transpose() * image);
+        }
+        gram
+    }
+
+    /// What `A_ext x` does to the body once the branches are eliminated at the angle of the last sample: n x columns. `image` is
+    /// `A_ext x`.
+    pub fn eliminated_image(&mut self, image: MatRef<f64>) -> Mat<f64> {
+        let n = self.ports.rows;
+        let (c, d) = self.scaled_shift(self.angle);
+        let mut out = image.subrows(0, n).to_owned();
+        for (j, branch) in self.operators.memory.iter().enumerate() {
+            let weight = d / (c * branch.tau + d);
+            out += Scale(weight) * image.subrows((1 + j) * n, n);
+        }
+        out
+    }
+
+    /// The field with its branches of a response `u` at the angle of the last sample to `A_ext x`, or to forces on the body alone.
+    pub fn with_branches(&self, u: Mat<f64>, x: Option<MatRef<f64>>) -> Mat<f64> {
+        if !self.has_memory() {
+            return u;
+        }
+        let n = self.ports.rows;
+        let (c, d) = self.scaled_shift(self.angle);
+        let mut out = Mat::zeros(self.field_len(), u.ncols());
+        for (j, branch) in self.operators.memory.iter().enumerate() {
+            let tau = branch.tau;
+            let scale = c * tau + d;
+            let mut to = out.as_mut().subrows_mut((1 + j) * n, n);
+            zip!(to.rb_mut(), &u).for_each(|unzip!(to, u)| *to = d * u / scale);
+            if let Some(x) = x {
+                let from = x.subrows((1 + j) * n, n);
+                zip!(to.rb_mut(), from).for_each(|unzip!(to, x)| *to += tau * x / scale);
+                if self.sigma > 0.0 {
+                    let lag = x.subrows(0, n) - from;
+                    zip!(to, &lag).for_each(|unzip!(to, lag)| *to -= self.sigma * lag / scale);
+                }
+            }
+        }
+        out.as_mut().subrows_mut(0, n).copy_from(u);
+        out
+    }
+
+    /// `(c, d)` of A and B at an angle.
+    fn scaled_shift(&self, angle: f64) -> (f64, f64) {
+        let (c, d) = shift(angle);
+        (c, d / self.reference_rate + self.sigma * c)
     }
 
     /// Solves with the operator of the last sample, in place, for all columns of `forces` (by dofs).
@@ -213,6 +325,33 @@ impl<'a> Sampler<'a> {
         let upper = sample.lower.transpose();
         solve_upper_triangular_in_place(upper, on_contact, Par::Seq);
         seen
+    }
+}
+
+impl Sampler<'_> {
+    /// Derivative of the transfer matrix by the angle at the last `sample`: `-P^T M^-1 M' M^-1 P`, ports x ports, block by block.
+    pub fn derivative(&mut self, sample: &Sample) -> Mat<f64> {
+        let (c, d) = shift(self.angle);
+        let along = (-d, c / self.reference_rate - self.sigma * d);
+        let mut slope = vec![0.0; self.operators.row_idx.len()];
+        self.operators
+            .combine_slope(self.scaled_shift(self.angle), along, &mut slope);
+        let m = self.ports.len();
+        let mut derivative = Mat::zeros(m, m);
+        for from in (0..m).step_by(BLOCK) {
+            let mut columns = self.ports.columns(from..m.min(from + BLOCK));
+            self.respond(&sample.lower, columns.as_mut());
+            let images = self.apply(&slope, columns.as_ref());
+            let seen = self.observe_responses(sample, images.as_ref());
+            let to = derivative.as_mut().subcols_mut(from, seen.ncols());
+            zip!(to, &seen).for_each(|unzip!(to, seen)| *to = -seen);
+        }
+        Scale(0.5) * (&derivative + derivative.transpose())
+    }
+
+    /// Multiplications of such a derivative.
+    pub fn derivative_work(&self) -> f64 {
+        4.0 * self.ports.len() as f64 * (self.factor.len() + self.operators.row_idx.len()) as f64
     }
 }
 

@@ -65,7 +65,7 @@ impl Sums {
             });
         }
         let of = |term: &ExponentialTerm| {
-            if !(term.tau > 0.0) || !term.weight.is_finite() {
+            if term.tau <= 0.0 || term.tau.is_nan() || !term.weight.is_finite() {
                 return Err(SolveError::Value {
                     what: "relaxation time of an exponential term".to_owned(),
                     found: term.tau,

@@ -1,0 +1,5 @@
+"""`python -m stickslip`: the command."""
+
+from ._command import main
+
+main()
