@@ -59,6 +59,10 @@
 // share by estimate; stresses and energies may be off by some times as much. Backward Euler keeps the digits.
 #define STICKSLIP_DIGITS_LOST 3
 
+// The step was taken, but `fidelity.work_limit` ended a friction problem at its best iterate: the output `solver.residual` tells
+// how well the friction law holds.
+#define STICKSLIP_TRUNCATED 4
+
 // Causality of a port: set before a step, by default its value at the end of the step (`stickslip_set_inputs_meaning`).
 #define STICKSLIP_INPUT 0
 
@@ -408,7 +412,8 @@ int32_t stickslip_set_values(struct stickslip_simulator *simulator,
 
 // Steps from `time` to `time + step` (s). `time` is where the simulation stands, up to rounding; a step of any size is cut
 // into internal steps. Allocates nothing once the step size is known. Returns a note (> 0) on a step that was taken, the first
-// that applies: `NOT_UNIQUE` when the multiplicity test found other solutions, `DIGITS_LOST` when rounding took more of
+// that applies: `TRUNCATED` when `fidelity.work_limit` ended a friction problem at its best iterate, `NOT_UNIQUE` when the
+// multiplicity test found other solutions, `DIGITS_LOST` when rounding took more of
 // displacement and slip than the tolerance of the body allows, `AT_ROUNDING` when rounding kept the friction law from holding
 // to its tolerance. Errors, with the state bit for bit as before: `CALL_ORDER` before `stickslip_init`, `STEP`, `VALUE` for
 // friction coefficients that do not fit each other, `NOT_CONVERGED`, `TOLERANCE_OUT_OF_REACH`, `OVERFLOW` for results that
@@ -569,7 +574,8 @@ int32_t stickslip_set_values(struct stickslip_simulator *simulator,
 
 // Steps from `time` to `time + step` (s). `time` is where the simulation stands, up to rounding; a step of any size is cut
 // into internal steps. Allocates nothing once the step size is known. Returns a note (> 0) on a step that was taken, the first
-// that applies: `NOT_UNIQUE` when the multiplicity test found other solutions, `DIGITS_LOST` when rounding took more of
+// that applies: `TRUNCATED` when `fidelity.work_limit` ended a friction problem at its best iterate, `NOT_UNIQUE` when the
+// multiplicity test found other solutions, `DIGITS_LOST` when rounding took more of
 // displacement and slip than the tolerance of the body allows, `AT_ROUNDING` when rounding kept the friction law from holding
 // to its tolerance. Errors, with the state bit for bit as before: `CALL_ORDER` before `stickslip_init`, `STEP`, `VALUE` for
 // friction coefficients that do not fit each other, `NOT_CONVERGED`, `TOLERANCE_OUT_OF_REACH`, `OVERFLOW` for results that

@@ -114,6 +114,7 @@ fn a_limit_of_work_ends_steps_at_their_best_iterate() {
     let coulomb = r#"{"law": "coulomb", "coefficient": 0.3}"#;
     let pressed = [
         ("contact.condition", unilateral),
+        ("time.scheme", "auto"),
         ("contact.friction", coulomb),
     ];
     for overrides in [&[][..], &pressed] {
@@ -140,6 +141,7 @@ fn a_limit_of_work_ends_steps_at_their_best_iterate() {
 fn a_search_for_other_solutions_changes_nothing() {
     let pressed = [
         ("contact.condition", r#"{"kind": "unilateral"}"#),
+        ("time.scheme", "auto"),
         (
             "contact.friction",
             r#"{"law": "coulomb", "coefficient": 0.3}"#,

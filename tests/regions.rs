@@ -601,3 +601,37 @@ fn matrices_and_factors_are_what_they_stand_for() {
         assert!(bits(&parse(&factors)) == bits(&parse(&regions)), "{model}");
     }
 }
+
+/// A plate with free faces is a plane with the laws and the branch that the strain across it leaves; the membrane law is another.
+#[test]
+fn a_plate_with_free_faces_has_a_branch_on_the_trace() {
+    let ([a1, a2], young, poisson) = ([0.05_f64, 0.1_f64], 1.0, 0.4);
+    let viscous = json!({"law": "isotropic", "mu1": a1, "mu2": a2});
+    let plate = of_laws(
+        "rectangle",
+        viscous.clone(),
+        isotropic(young, poisson, "plane_stress_relaxing"),
+    );
+    let b1 = young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson));
+    let b2 = young / (1.0 + poisson);
+    let spring = ((a1 * b2 - a2 * b1) / (a1 + a2)).powi(2) / (b1 + b2);
+    let plane = isotropic(young, poisson, "plane_stress");
+    let mut written = of_laws(
+        "rectangle",
+        json!({"law": "isotropic", "mu1": a1 * a2 / (a1 + a2), "mu2": a2}),
+        plane.clone(),
+    );
+    written["material"]["memory"] =
+        json!([{"law": "isotropic", "tau": (a1 + a2) / (b1 + b2), "shear": 0.0, "bulk": spring}]);
+    let run = |scene: &Value| seen(&mut start(&parse(scene)));
+    let reference = run(&written);
+    assert!(largest(&reference) > 1e-3);
+    for model in MODELS {
+        let mut plate = plate.clone();
+        plate["fidelity"]["model"] = model.into();
+        let error = relative(&run(&plate), &reference);
+        assert!(error < 1e-9, "{model}: {error:e}");
+    }
+    let membrane = run(&of_laws("rectangle", viscous, plane));
+    assert!(relative(&membrane, &reference) > 1e-2);
+}

@@ -30,6 +30,7 @@ pub fn check(choice: &SceneChoice) -> Result<(), Failure> {
     let mut rows = closing::compiled(model.summary(), model);
     rows.extend(constants(model));
     rows.extend(memories(scene));
+    rows.extend(steady_slip(model));
     rows.extend(step(scene, model));
     rows.extend(check_material::advice(&compilation));
     let beyond = closing::exceeded_limit(model);
@@ -142,6 +143,26 @@ fn coulomb_constants(model: &Model, coulomb: &CoulombConstants) -> Vec<(&'static
             format!("{verdict}; {sum} at time.step = {step} s"),
         ),
     ]
+}
+
+/// Up to which slip rate the steps of friction with a state are sure to follow it.
+fn steady_slip(model: &Model) -> Option<(&'static str, String)> {
+    if !model.friction().has_memory() {
+        return None;
+    }
+    let step = number(model.largest_step());
+    let text = match model.steady_slip_limit() {
+        f64::INFINITY => {
+            "a step at steady slip resists more the faster it slips, at any rate and step"
+                .to_owned()
+        }
+        limit => format!(
+            "a step at steady slip resists more the faster it slips up to {} m/s at time.step = {step} s; faster, it may have several \
+             solutions: a smaller step, or a scheme that averages (trapezoid, tr_bdf2)",
+            figure(limit, 6)
+        ),
+    };
+    Some(("rate and state", text))
 }
 
 fn step_limit(limit: f64) -> String {

@@ -81,9 +81,12 @@ impl Series {
             Attribute::scalars("region", 1).with_data(body.mesh.cell_regions.clone()),
             Attribute::tensors("strain_rate").with_data(fields.strain_rate.concat()),
         ];
-        let normal = scalars(body, &fields.normal_stress(body));
-        point.push(Attribute::scalars("normal_stress", 1).with_data(normal));
-        cell.push(Attribute::tensors("stress").with_data(fields.stress.concat()));
+        // the share of the memory needs the strains of its branches, which a file does not have
+        if !body.forms.have_memory() {
+            let normal = scalars(body, &fields.normal_stress(body));
+            point.push(Attribute::scalars("normal_stress", 1).with_data(normal));
+            cell.push(Attribute::tensors("stress").with_data(fields.stress.concat()));
+        }
         let grid = UnstructuredGridPiece {
             points: body.mesh.nodes.concat().into(),
             cells: cells(body),

@@ -1,6 +1,7 @@
 //! Compilation, with its progress, without the lock of the interpreter.
 
 use crate::error::raised;
+use crate::free::freely;
 use crate::model::Model;
 use crate::scene::Scene;
 use pyo3::prelude::*;
@@ -38,7 +39,7 @@ pub fn compiled(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Compilation> {
     let mut failure: Option<PyErr> = None;
-    let outcome = py.detach(|| {
+    let outcome = freely(py, || {
         let mut observer = |now: Progress| {
             Python::attach(|py| match tell(py, progress.as_ref(), now) {
                 Ok(true) => ControlFlow::Continue(()),

@@ -12,6 +12,7 @@ mod array;
 mod command;
 mod compile;
 mod error;
+mod free;
 mod many;
 mod model;
 mod package;

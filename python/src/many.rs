@@ -3,6 +3,7 @@
 use crate::array::numbers;
 use crate::error::raised;
 use crate::error::raised_with;
+use crate::free::freely;
 use crate::simulator::Simulator;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -56,7 +57,7 @@ pub fn step_many(
     });
     let jobs = held.iter_mut().map(|one| &mut one.simulator).zip(rows);
     let jobs: Vec<_> = jobs.map(Mutex::new).collect();
-    let failures = py.detach(|| on_threads(&jobs, threads.min(jobs.len()), step));
+    let failures = freely(py, || on_threads(&jobs, threads.min(jobs.len()), step));
     drop(jobs);
     for one in &mut held {
         one.show(py)?;

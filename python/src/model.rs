@@ -3,6 +3,7 @@
 use crate::array::{array, integers, points, value};
 use crate::compile::compiled;
 use crate::error::raised;
+use crate::free::freely;
 use crate::port::Port;
 use crate::scene::{Scene, Source};
 use crate::state::State;
@@ -87,13 +88,12 @@ impl Model {
         of: fn(&Compilation, &stickslip::State) -> stickslip::Result<Vec<[f64; 3]>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let compilation = self.compilation(py)?;
-        let field = py
-            .detach(|| {
-                let mut simulator = Simulator::new(Arc::clone(&self.inner));
-                state.restore(&mut simulator)?;
-                of(&compilation, simulator.state())
-            })
-            .map_err(raised)?;
+        let field = freely(py, || {
+            let mut simulator = Simulator::new(Arc::clone(&self.inner));
+            state.restore(&mut simulator)?;
+            of(&compilation, simulator.state())
+        })
+        .map_err(raised)?;
         points(py, &field, self.inner.summary().dimension)
     }
 }
@@ -277,9 +277,7 @@ impl Model {
     ///     Error: `BYTES` for bytes that are no model of this version, or damaged.
     #[staticmethod]
     fn from_bytes(py: Python<'_>, bytes: &[u8]) -> PyResult<Model> {
-        let inner = py
-            .detach(|| stickslip::Model::from_bytes(bytes))
-            .map_err(raised)?;
+        let inner = freely(py, || stickslip::Model::from_bytes(bytes)).map_err(raised)?;
         let scene = Scene {
             inner: Arc::new(inner.scene().clone()),
             source_name: inner.summary().name.clone(),

@@ -1,6 +1,7 @@
 //! Packs FMUs.
 
 use crate::error::raised;
+use crate::free::freely;
 use crate::scene::Scene;
 use pyo3::exceptions::{PyFileNotFoundError, PyOSError, PyValueError};
 use pyo3::prelude::*;
@@ -36,9 +37,8 @@ pub fn pack_fmu<'py>(
         source_name: scene.source_name.clone(),
     };
     let text = scene.inner.to_json();
-    let packed = py
-        .detach(|| package(&text, &scene.files, &options))
-        .map_err(|error| match error {
+    let packed =
+        freely(py, || package(&text, &scene.files, &options)).map_err(|error| match error {
             PackageError::Scene(error) => raised(error),
             PackageError::NoLibrary(_) => PyFileNotFoundError::new_err(error.to_string()),
             PackageError::TestLibrary(_) | PackageError::Date(_) => {

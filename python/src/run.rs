@@ -2,6 +2,7 @@
 
 use crate::array::array;
 use crate::error::raised;
+use crate::free::freely;
 use crate::model::Model;
 use crate::scene::Scene;
 use crate::simulator::Simulator;
@@ -92,7 +93,7 @@ pub fn follow<'py>(
     };
     let mut held = simulator.hold()?;
     let inner = &mut held.simulator;
-    py.detach(|| -> PyResult<()> {
+    freely(py, || -> PyResult<()> {
         let compilation = compilation.as_deref();
         let mut drive = match inner.is_initialized() {
             true => Drive::resume(&scene.inner, inner),

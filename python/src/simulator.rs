@@ -2,13 +2,16 @@
 
 use crate::array::{Shown, array, numbers, value};
 use crate::error::raised;
+use crate::free::freely;
 use crate::model::Model;
 use crate::state::{Kept, State, busy};
 use pyo3::exceptions::{PyKeyError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
+use std::ops::{Deref, DerefMut};
 use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 use stickslip::Error;
+use stickslip::float_environment::DefaultEnvironment;
 use stickslip::scene::Inputs;
 
 /// One simulation of a model, stepped by its master. Inputs are those at the end of the next step, unless `inputs` or the scene says
@@ -40,6 +43,26 @@ pub struct Inner {
     shown: Vec<(u32, Shown)>,
     /// Values on their way to an array, or inputs on theirs from one.
     values: Vec<f64>,
+}
+
+/// A simulator that is in use, in the floating-point environment that it computes in.
+pub struct Held<'a> {
+    inner: MutexGuard<'a, Inner>,
+    _environment: DefaultEnvironment,
+}
+
+impl Deref for Held<'_> {
+    type Target = Inner;
+
+    fn deref(&self) -> &Inner {
+        &self.inner
+    }
+}
+
+impl DerefMut for Held<'_> {
+    fn deref_mut(&mut self) -> &mut Inner {
+        &mut self.inner
+    }
 }
 
 impl Inner {
@@ -74,9 +97,12 @@ impl Inner {
 
 impl Simulator {
     /// What a call works with, unless another thread does.
-    pub fn hold(&self) -> PyResult<MutexGuard<'_, Inner>> {
+    pub fn hold(&self) -> PyResult<Held<'_>> {
         match self.inner.try_lock() {
-            Ok(inner) => Ok(inner),
+            Ok(inner) => Ok(Held {
+                inner,
+                _environment: DefaultEnvironment::enter(),
+            }),
             Err(TryLockError::WouldBlock) => Err(busy()),
             Err(TryLockError::Poisoned(_)) => Err(raised(Error::Poisoned {
                 what: "a call of it panicked".to_owned(),
@@ -103,7 +129,7 @@ impl Simulator {
     ) -> PyResult<()> {
         let mut inner = self.hold()?;
         let Inner { simulator, .. } = &mut *inner;
-        py.detach(|| call(simulator)).map_err(raised)?;
+        freely(py, || call(simulator)).map_err(raised)?;
         inner.show(py)
     }
 
@@ -188,7 +214,7 @@ impl Simulator {
             false => simulator.output_len(),
         };
         let mut out = vec![0.0; len];
-        py.detach(|| match (is_adjoint, instant) {
+        freely(py, || match (is_adjoint, instant) {
             (false, false) => simulator.directional_derivative(&seed, &mut out),
             (false, true) => simulator.instant_derivative(&seed, &mut out),
             (true, false) => simulator.adjoint_derivative(&seed, &mut out),

@@ -2,6 +2,7 @@
 
 use crate::array::array;
 use crate::error::raised;
+use crate::free::freely;
 use crate::scene::Scene;
 use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
@@ -56,38 +57,37 @@ pub fn sweep<'py>(
     let sampling = Sampling::of(sampling).map_err(raised)?;
     let plan = Plan::new(&axes, sampling, runs, seed).map_err(raised)?;
     let mut failure: Option<PyErr> = None;
-    let (study, rows) = py
-        .detach(|| -> Result<_, Failure> {
-            let files = Box::new(scene.files.clone());
-            let name = &scene.source_name;
-            let study = Study::new(&scene.inner, name, files, plan, &record);
-            let study = study.map_err(Failure::of(name))?;
-            let mut turn: Option<Instant> = None;
-            let rows = sweeps::take(
-                &study,
-                workers,
-                table.as_deref(),
-                resume,
-                &mut |done, of| {
-                    if done < of && turn.is_some_and(|turn| turn.elapsed() < TURN) {
-                        return ControlFlow::Continue(());
+    let (study, rows) = freely(py, || -> Result<_, Failure> {
+        let files = Box::new(scene.files.clone());
+        let name = &scene.source_name;
+        let study = Study::new(&scene.inner, name, files, plan, &record);
+        let study = study.map_err(Failure::of(name))?;
+        let mut turn: Option<Instant> = None;
+        let rows = sweeps::take(
+            &study,
+            workers,
+            table.as_deref(),
+            resume,
+            &mut |done, of| {
+                if done < of && turn.is_some_and(|turn| turn.elapsed() < TURN) {
+                    return ControlFlow::Continue(());
+                }
+                turn = Some(Instant::now());
+                match tell(progress.as_ref(), done, of) {
+                    Ok(()) => ControlFlow::Continue(()),
+                    Err(error) => {
+                        failure = Some(error);
+                        ControlFlow::Break(())
                     }
-                    turn = Some(Instant::now());
-                    match tell(progress.as_ref(), done, of) {
-                        Ok(()) => ControlFlow::Continue(()),
-                        Err(error) => {
-                            failure = Some(error);
-                            ControlFlow::Break(())
-                        }
-                    }
-                },
-            )?;
-            if let Some(table) = table.as_ref().filter(|_| write) {
-                sweeps::write(table, &study, &rows)?;
-            }
-            Ok((study, rows))
-        })
-        .map_err(|other| failure.take().unwrap_or_else(|| failed(other)))?;
+                }
+            },
+        )?;
+        if let Some(table) = table.as_ref().filter(|_| write) {
+            sweeps::write(table, &study, &rows)?;
+        }
+        Ok((study, rows))
+    })
+    .map_err(|other| failure.take().unwrap_or_else(|| failed(other)))?;
     if let Some(error) = failure {
         return Err(error);
     }

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import copy
+import ctypes
 import gc
 import pickle
+import platform
+import sys
 from typing import Any
 
 import numpy as np
@@ -119,10 +122,10 @@ def test_a_view_is_always_of_now(model: stickslip.Model) -> None:
     assert np.array_equal(kept, last)
 
 
-def trajectory(simulator: stickslip.Simulator, steps: int = 5) -> list[bytes]:
+def trajectory(simulator: stickslip.Simulator) -> list[bytes]:
     rows = []
-    for i in range(steps):
-        simulator["press"] = -0.3 + 0.05 * i
+    for press in (-0.3, -0.25, -0.2, -0.15, -0.1):
+        simulator["press"] = press
         simulator.step(0.07)
         rows.append(simulator.outputs().tobytes())
     return rows
@@ -159,27 +162,27 @@ def test_states_of_other_models_are_refused(simulator: stickslip.Simulator, brak
 def test_derivatives_are_those_of_differences(brake: stickslip.Model) -> None:
     simulator = stickslip.Simulator(brake)
     simulator.init()
-    for piston in (0.0005, 0.0006):
-        simulator.set_inputs({"piston": piston, "disc": 50.0})
+    for piston in (0.001, 0.002, 0.002):
+        simulator.set_inputs({"piston": piston, "disc": 5.0})
         simulator.step(0.02)
     state = simulator.save()
 
     def after(disc: float) -> Any:
         simulator.restore(state)
-        simulator.set_inputs({"piston": 0.0006, "disc": disc})
+        simulator.set_inputs({"piston": 0.002, "disc": disc})
         simulator.step(0.02)
         return simulator.outputs()
 
-    after(50.0)
+    after(5.0)
     tangent = simulator.directional_derivative({"disc": 1.0})
     by_all = simulator.directional_derivative([0.0, 0.0, 1.0])
     assert np.array_equal(tangent, by_all)
-    difference = brake.unpack((after(50.01) - after(49.99)) / 0.02)
+    difference = brake.unpack((after(5.01) - after(4.99)) / 0.02)
     for name in ("contact.slip_rate", "contact.tangential_stress", "disc.torque"):
         found = brake.unpack(tangent)[name]
-        assert found == pytest.approx(difference[name], rel=1e-4, abs=1e-4 * abs(difference[name]).max())
-    assert abs(brake.unpack(tangent)["disc.torque"]) > 1e-6
-    after(50.0)
+        assert found == pytest.approx(difference[name], rel=1e-3, abs=1e-3 * abs(difference[name]).max())
+    assert abs(brake.unpack(tangent)["disc.torque"]) > 1e-3
+    after(5.0)
     adjoint = simulator.adjoint_derivative({"disc.torque": 1.0})
     assert adjoint[list(brake.scene.inputs).index("disc")] == pytest.approx(float(brake.unpack(tangent)["disc.torque"]), rel=1e-9)
     simulator.restore(state)
@@ -201,6 +204,22 @@ def test_history_is_the_past(simulator: stickslip.Simulator) -> None:
         assert found[time] == slip
     assert simulator.work["internal_steps"] == 5
     assert simulator.work["factorizations"] >= 1
+
+
+@pytest.mark.skipif(platform.machine() != "x86_64" or sys.platform != "linux", reason="numbers of the rounding modes")
+def test_results_do_not_depend_on_the_rounding_of_the_host(simulator: stickslip.Simulator) -> None:
+    state = simulator.save()
+    expected = trajectory(simulator)
+    simulator.restore(state)
+    libm = ctypes.CDLL("libm.so.6")
+    upward = 0x800
+    assert libm.fesetround(upward) == 0
+    try:
+        found = trajectory(simulator)
+        assert libm.fegetround() == upward
+    finally:
+        libm.fesetround(0)
+    assert found == expected
 
 
 def test_representations(simulator: stickslip.Simulator) -> None:

@@ -285,7 +285,8 @@ pub unsafe extern "C" fn stickslip_set_values(
 
 /// Steps from `time` to `time + step` (s). `time` is where the simulation stands, up to rounding; a step of any size is cut
 /// into internal steps. Allocates nothing once the step size is known. Returns a note (> 0) on a step that was taken, the first
-/// that applies: `TRUNCATED` when `fidelity.work_limit` ended a friction problem at its best iterate, `NOT_UNIQUE` when the multiplicity test found other solutions, `DIGITS_LOST` when rounding took more of
+/// that applies: `TRUNCATED` when `fidelity.work_limit` ended a friction problem at its best iterate, `NOT_UNIQUE` when the
+/// multiplicity test found other solutions, `DIGITS_LOST` when rounding took more of
 /// displacement and slip than the tolerance of the body allows, `AT_ROUNDING` when rounding kept the friction law from holding
 /// to its tolerance. Errors, with the state bit for bit as before: `CALL_ORDER` before `stickslip_init`, `STEP`, `VALUE` for
 /// friction coefficients that do not fit each other, `NOT_CONVERGED`, `TOLERANCE_OUT_OF_REACH`, `OVERFLOW` for results that

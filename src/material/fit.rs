@@ -1,7 +1,9 @@
 //! Branches fitted to a measured curve: non-negative least squares on relaxation times that are spread over the logarithm. What is
 //! not negative is passive, and makes the body's pencil positive.
 
+use super::memory::MOST_BRANCHES;
 use super::nnls::non_negative_least_squares;
+use crate::refusal::Refusal;
 use nalgebra::{DMatrix, DVector};
 
 /// What was measured.
@@ -40,6 +42,18 @@ fn response(curve: Curve, at: f64, tau: f64) -> [f64; 2] {
         Curve::Dynamic => [x * x / (1.0 + x * x), x / (1.0 + x * x)],
         Curve::Relaxation => [(-at / tau).exp(), 0.0],
     }
+}
+
+/// Relaxation times between two, so many per decade.
+pub fn spread([from, to]: [f64; 2], per_decade: f64) -> usize {
+    let count = (per_decade * (to / from).log10()).ceil() + 1.0;
+    count.clamp(1.0, MOST_BRANCHES as f64) as usize
+}
+
+/// What is said of numbers that are too far apart.
+pub fn not_fitted(path: &str) -> Refusal {
+    let found = "numbers that nothing can be fitted to";
+    Refusal::new(path, found, "finite moduli of similar size")
 }
 
 /// Fits branches of `count` relaxation times between the given ones; `None` where numbers leave their range.

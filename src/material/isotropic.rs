@@ -3,6 +3,7 @@
 //! Positive on symmetric tensors of dimension n exactly if `d > 0` and `n c + d > 0`.
 
 use super::form::Form;
+use super::plane_stress::{Plate, plate};
 use super::variation::Variation;
 use super::{Choice, Law, Parameter, ParameterKind};
 use crate::expression::PlaceFormula;
@@ -58,8 +59,11 @@ pub enum Convention {
     Kazmi2014,
     /// `E kappa / ((1 + kappa)(1 - 2 kappa))`; 2D only.
     PlaneStrain,
-    /// `E kappa / (1 - kappa^2)`; 2D only.
+    /// `E kappa / (1 - kappa^2)`; 2D only. The viscosity is taken as already two-dimensional (the membrane law).
     PlaneStress,
+    /// A plate with free faces; 2D only: E, kappa, mu1 and mu2 are those of the body, and what the strain across the plate leaves are
+    /// laws of the plane and a branch of memory on the trace. Isotropic laws without memory that do not vary over the body.
+    PlaneStressRelaxing,
     /// `E kappa / ((1 + kappa)(1 - 2 kappa))`; 3D only.
     ThreeDimensional,
 }
@@ -71,6 +75,7 @@ pub(super) const CONVENTIONS: Choice = Choice {
         "kazmi2014",
         "plane_strain",
         "plane_stress",
+        "plane_stress_relaxing",
         "three_dimensional",
     ],
 };
@@ -121,7 +126,9 @@ impl IsotropicElasticity {
             Convention::PlaneStrain | Convention::ThreeDimensional => {
                 young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson))
             }
-            Convention::PlaneStress => young * poisson / (1.0 - poisson * poisson),
+            Convention::PlaneStress | Convention::PlaneStressRelaxing => {
+                young * poisson / (1.0 - poisson * poisson)
+            }
         };
         Pair {
             lambda,
@@ -132,6 +139,36 @@ impl IsotropicElasticity {
 
 fn is_positive(value: f64) -> bool {
     value.is_finite() && value > 0.0
+}
+
+/// The plate with free faces that two laws are, where the elasticity says so.
+pub(super) fn plate_of(
+    viscosity: &IsotropicViscosity,
+    elasticity: &IsotropicElasticity,
+) -> Option<Plate> {
+    if elasticity.convention != Convention::PlaneStressRelaxing {
+        return None;
+    }
+    let body = IsotropicElasticity {
+        convention: Convention::ThreeDimensional,
+        ..elasticity.clone()
+    };
+    let coefficients = |pair: Pair| [pair.lambda, pair.two_mu];
+    Some(plate(
+        coefficients(viscosity.pair()),
+        coefficients(body.pair()),
+    ))
+}
+
+/// Refuses a viscosity of a plate that is not positive as that of a body; `path` is its place in the scene.
+pub(super) fn check_plate(viscosity: &IsotropicViscosity, path: &str) -> Verdict {
+    let trace = viscosity.pair().spherical(3);
+    ensure(viscosity.mu2 > 0.0 && is_positive(trace), || {
+        let (mu1, trace) = (number(viscosity.mu1), number(trace));
+        let found = format!("{mu1} (3 mu1 + mu2 = {trace})");
+        let allowed = "3 mu1 + mu2 finite and > 0 with plane_stress_relaxing";
+        Refusal::new(format!("{path}.mu1"), found, allowed)
+    })
 }
 
 impl Law for IsotropicViscosity {
@@ -196,6 +233,7 @@ impl Law for IsotropicElasticity {
                 Convention::Kazmi2014,
                 Convention::PlaneStrain,
                 Convention::PlaneStress,
+                Convention::PlaneStressRelaxing,
             ],
             _ => &[Convention::Kazmi2014, Convention::ThreeDimensional],
         };

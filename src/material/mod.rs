@@ -6,28 +6,35 @@
 
 mod fit;
 mod form;
+mod fractional;
 mod isotropic;
 mod matrix;
+mod measured;
 mod memory;
 mod nnls;
 mod orthotropic;
+mod plane_stress;
+mod relative;
+mod resolved;
 mod sheet;
 mod variation;
 mod voigt;
 
 pub use form::{Form, GradientPair};
+pub use fractional::{FractionalKernel, FractionalMemory};
 pub use isotropic::{Convention, IsotropicElasticity, IsotropicViscosity};
 pub use matrix::MatrixLaw;
+pub use measured::{BulkMemory, DynamicMemory, Frequency, RelaxationMemory};
 pub use memory::{Branch, IsotropicBranch, MOST_BRANCHES, rates_with_memory};
 pub use orthotropic::Orthotropic;
-pub use sheet::{
-    BulkMemory, DynamicMemory, FractionalKernel, FractionalMemory, Frequency, Memory, Moduli,
-    RelativeMemory, RelativeTerm, RelaxationMemory,
-};
+pub use relative::{Moduli, RelativeMemory, RelativeTerm};
+pub use sheet::Memory;
 pub use voigt::{COMPONENTS, Voigt};
 
-use sheet::{Pair, Resolved};
+use resolved::{Pair, Resolved};
 
+use isotropic::plate_of;
+use plane_stress::Plate;
 use variation::Variation;
 
 use crate::refusal::{Refusal, Verdict};
@@ -191,6 +198,9 @@ impl Operators<'_> {
 
     /// The forms of A (Pa s) and B (Pa), where their factors are 1: of B what a memory in shares of it leaves in the end.
     pub fn forms(&self) -> [Form; 2] {
+        if let Some(plate) = self.plate() {
+            return [plate.viscosity, plate.elasticity];
+        }
         let [viscosity, elasticity] = self.laws().map(|(.., law)| law.form());
         let left = match self.memory {
             Memory::Relative(_) => self.resolved("memory").map(|resolved| resolved.left).ok(),
@@ -200,6 +210,40 @@ impl Operators<'_> {
             .zip(moduli(&elasticity))
             .map(|(left, of)| memory::form(of.bulk * left.bulk, of.shear * left.shear));
         [viscosity, long_term.unwrap_or(elasticity)]
+    }
+
+    /// The plate with free faces that it is, where its convention says so.
+    fn plate(&self) -> Option<Plate> {
+        match (self.viscosity, self.elasticity) {
+            (Viscosity::Isotropic(viscosity), Elasticity::Isotropic(elasticity)) => {
+                plate_of(viscosity, elasticity)
+            }
+            _ => None,
+        }
+    }
+
+    /// Refuses what a plate with free faces cannot have beside its elasticity.
+    fn check_plate(&self, path: &str) -> Verdict {
+        let Elasticity::Isotropic(elasticity) = self.elasticity else {
+            return Ok(());
+        };
+        if elasticity.convention != Convention::PlaneStressRelaxing {
+            return Ok(());
+        }
+        let refuse = |found: &str| {
+            let path = format!("{path}.elasticity.convention");
+            let found = format!("\"plane_stress_relaxing\" beside {found}");
+            let allowed = "isotropic laws without memory that do not vary over the body";
+            Err(Refusal::new(path, found, allowed))
+        };
+        match self.viscosity {
+            _ if !self.memory.is_none() => refuse("memory"),
+            _ if self.varies() => refuse("a law that varies"),
+            Viscosity::Isotropic(viscosity) => {
+                isotropic::check_plate(viscosity, &format!("{path}.viscosity"))
+            }
+            _ => refuse("a viscosity that is not isotropic"),
+        }
     }
 
     /// The memory as branches; `path` is its place in the scene.
@@ -226,6 +270,9 @@ impl Operators<'_> {
     /// Relaxation times (s) and forms (Pa) of the branches of the memory, ascending; equal times are one branch. A memory that
     /// [`Operators::check`] refuses has none.
     pub fn branches(&self) -> Vec<(f64, Form)> {
+        if let Some(plate) = self.plate() {
+            return plate.branch.into_iter().collect();
+        }
         if self.memory.is_none() {
             return Vec::new();
         }
@@ -287,6 +334,7 @@ impl Operators<'_> {
         self.laws()
             .into_iter()
             .try_for_each(|(key, _, law)| law.check(dimension, &format!("{path}.{key}")))?;
+        self.check_plate(path)?;
         let path = format!("{path}.memory");
         let branches = self.resolved(&path)?.branches;
         memory::check(&branches, &path)?;

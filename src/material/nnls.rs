@@ -11,41 +11,49 @@ pub fn non_negative_least_squares(a: &DMatrix<f64>, b: &DVector<f64>) -> Option<
     let count = a.ncols();
     let mut x = DVector::zeros(count);
     let mut is_free = vec![false; count];
+    // unknowns that rounding alone asks for, until something has changed
+    let mut is_passed_over = vec![false; count];
     let gradient = |x: &DVector<f64>| a.tr_mul(&(b - a * x));
     let least = NONE * gradient(&x).amax();
     if !least.is_finite() {
         return None;
     }
     // every pass lowers the residual, so that no set comes twice; the bound is for rounding
-    for _ in 0..3 * count {
+    for _ in 0..10 * count {
         let slopes = gradient(&x);
-        let held = (0..count).filter(|&j| !is_free[j] && slopes[j] > least);
+        let held = (0..count).filter(|&j| !is_free[j] && !is_passed_over[j] && slopes[j] > least);
         let Some(steepest) = held.max_by(|&i, &j| slopes[i].total_cmp(&slopes[j])) else {
             break;
         };
         is_free[steepest] = true;
+        let mut is_first = true;
         loop {
             let free: Vec<usize> = (0..count).filter(|&j| is_free[j]).collect();
-            let target = solve(&a.select_columns(&free), b)?;
-            // as far towards the solution on the free ones as all stay positive
-            let falling = free.iter().zip(target.iter()).filter(|(_, to)| **to <= 0.0);
-            let share = falling
-                .map(|(&j, to)| x[j] / (x[j] - to))
-                .fold(1.0, f64::min);
-            let share = if share.is_finite() { share } else { 0.0 };
-            for (&j, to) in free.iter().zip(target.iter()) {
-                x[j] += share * (to - x[j]);
-            }
-            if share == 1.0 {
+            if free.is_empty() {
                 break;
             }
-            for (&j, to) in free.iter().zip(target.iter()) {
-                if *to <= 0.0 && x[j] <= f64::EPSILON * x.amax() {
-                    (x[j], is_free[j]) = (0.0, false);
-                }
+            let target = solve(&a.select_columns(&free), b)?;
+            let moves = || free.iter().copied().zip(target.iter().copied());
+            if is_first && moves().any(|(j, to)| j == steepest && to <= 0.0) {
+                (is_free[steepest], is_passed_over[steepest]) = (false, true);
+                break;
             }
-            if !is_free[steepest] {
-                return Some(x);
+            is_first = false;
+            // as far towards the solution on the free ones as all stay positive
+            let falling = moves().filter(|(_, to)| *to <= 0.0);
+            let first = falling
+                .map(|(j, to)| (j, x[j] / (x[j] - to)))
+                .min_by(|a, b| a.1.total_cmp(&b.1));
+            let share = first.map_or(1.0, |(_, share)| share);
+            for (j, to) in moves() {
+                x[j] = (x[j] + share * (to - x[j])).max(0.0);
+            }
+            match first {
+                Some((j, _)) => (x[j], is_free[j]) = (0.0, false),
+                None => {
+                    is_passed_over.fill(false);
+                    break;
+                }
             }
         }
     }

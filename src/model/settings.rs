@@ -10,6 +10,24 @@ impl Model {
         self.scene().time.tolerance
     }
 
+    /// Slip rate, m/s, up to which steps of the largest size at steady slip resist more the faster they slip; beyond it a step may
+    /// have several solutions. Infinite for friction without memory, and where a scheme has no such limit.
+    pub fn steady_slip_limit(&self) -> f64 {
+        let tableau = self.tableau();
+        let share = if tableau.uses_start_velocity() {
+            0.5
+        } else {
+            1.0
+        };
+        let (mut before, mut longest) = (0.0, 0.0_f64);
+        for stage in tableau.stages() {
+            longest = longest.max(stage.instant - before);
+            before = stage.instant;
+        }
+        let length = longest * self.largest_step();
+        self.friction().steady_limit(length, share)
+    }
+
     /// Most friction iterations of a communication step; `None` without a limit.
     pub(crate) fn work_limit(&self) -> Option<u64> {
         self.scene().fidelity.work_limit.map(u64::from)

@@ -89,6 +89,42 @@ fn the_state_is_the_solution_at_a_constant_rate() {
     assert!(worst > 0.0);
 }
 
+/// Where the law weakens at steady slip (a < b), a stage resists more the faster it slips up to a rate, and less beyond it.
+#[test]
+fn steady_slip_is_followed_up_to_a_rate() {
+    for evolution in [AGING, SLIP] {
+        for length in [0.01, 0.3] {
+            for (b, is_averaged) in [(0.03, false), (0.05, false), (0.05, true)] {
+                let chosen = law(b, evolution);
+                let share = if is_averaged { 0.5 } else { 1.0 };
+                let limit = chosen.steady_limit(length, share);
+                let expected = -f64::ln(1.0 - A / (b * share)) * D_C / length;
+                assert!((limit / expected - 1.0).abs() < 1e-12);
+                let slope = |rate: f64| {
+                    let (states, rates) = ([D_C / rate], [rate]);
+                    let memory = Memory {
+                        states: &states,
+                        rates: &rates,
+                        length,
+                        is_averaged,
+                    };
+                    let bounds = chosen.pressed(chosen.start(), &[1.0], 0.0);
+                    let still = SlipPath {
+                        base: 0.0,
+                        per_rate: 0.0,
+                    };
+                    let bound = bounds.remembering(memory).evaluate(0, rate, 1.0, still);
+                    bound.by_rate
+                };
+                assert!(slope(0.999 * limit) > 0.0 && slope(1.001 * limit) < 0.0);
+            }
+        }
+    }
+    // averaged with the rate before, half of the weakening is left
+    assert_eq!(law(0.03, AGING).steady_limit(0.1, 0.5), f64::INFINITY);
+    assert_eq!(law(0.01, SLIP).steady_limit(0.1, 1.0), f64::INFINITY);
+}
+
 /// The coefficient is the textbook's, also where the argument of its asinh would overflow, and its derivative never NaN.
 #[test]
 fn the_coefficient_is_the_regularised_logarithm() {

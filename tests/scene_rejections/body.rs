@@ -56,6 +56,15 @@ fn anisotropic_materials() {
             (r#""mu2": 0.1"#, r#""mu2": 0.1, "factor": 2"#, "material.viscosity.factor", "2", "expression"),
         ],
     );
+    let elastic = r#""poisson": 0.3, "convention": "kazmi2014"}"#;
+    let plate = |more: &str| format!(r#""poisson": 0.3, "convention": "plane_stress_relaxing"{more}"#);
+    assert_edits_refused(
+        "kazmi2014",
+        &[
+            (elastic, &plate(r#", "gradient": [0.1, 0]}"#), "material.elasticity.convention", "a law that varies", "isotropic laws"),
+            (elastic, &plate(r#"}, "memory": [{"law": "isotropic", "tau": 1, "shear": 1, "bulk": 1}]"#), "material.elasticity.convention", "memory", "without memory"),
+        ],
+    );
     let solid = |more: &str| format!(
         r#"{{"law": "orthotropic", "young": [1, 1, 1], "poisson": [0, 0, 0], "shear": [1, 1, 1]{more}}}"#
     );

@@ -96,7 +96,7 @@ impl Fields {
         depth: Depth,
     ) -> Fields {
         let angle = sampler.angle();
-        let [viscosity, elasticity] = [0.0, FRAC_PI_2].map(|angle| sampler.operator(angle));
+        let (viscosity, elasticity) = (sampler.viscosity(), sampler.operator(FRAC_PI_2));
         let levels = depth.loads.max(depth.smooth);
         let most = levels * forces.ncols();
         let mut basis = Basis::new(sampler.field_len(), most);

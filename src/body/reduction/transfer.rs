@@ -174,6 +174,12 @@ impl<'a> Sampler<'a> {
         values
     }
 
+    /// Values of A, with those of sigma B.
+    pub fn viscosity(&self) -> Vec<f64> {
+        let both = self.operators.a.iter().zip(&self.operators.b);
+        both.map(|(a, b)| a + self.sigma * b).collect()
+    }
+
     /// An operator with the given values times the columns of `x` (by dofs).
     pub fn apply(&mut self, operator: &[f64], x: MatRef<f64>) -> Mat<f64> {
         let mut out = Mat::zeros(x.nrows(), x.ncols());

@@ -134,6 +134,18 @@ impl ChosenLaw {
         self.initial_state(&self.start, 0).is_some()
     }
 
+    /// Slip rate, m/s, up to which a stage at steady slip resists more the faster it is, at every node and with the numbers of the
+    /// scene; see [`super::FrictionLaw::steady_limit`]. Infinite for a law without memory.
+    pub fn steady_limit(&self, length: f64, rate_share: f64) -> f64 {
+        let coefficients = self.coefficients(&self.start);
+        let limit = |node| {
+            let kind = self.law.kind();
+            kind.steady_limit(coefficients, node, length, rate_share)
+        };
+        let nodes = coefficients.distinct_nodes();
+        nodes.map(limit).fold(f64::INFINITY, f64::min)
+    }
+
     /// State of a node at the start, s, with numbers as in [`ChosenLaw::with`]; `None` for a law without memory.
     pub fn initial_state(&self, values: &[f64], node: usize) -> Option<f64> {
         let kind = self.law.kind();

@@ -165,6 +165,13 @@ pub trait FrictionLaw: Sync {
         path.state
     }
 
+    /// Slip rate, m/s, up to which a stage at steady slip resists more the faster it is, at a node: one of `length` seconds in which
+    /// the rate that moves the state has this share of the stage's own (see [`MemoryPath`]). Beyond it the bound of the stage falls
+    /// with its rate. Infinite for a law without memory.
+    fn steady_limit(&self, _: Coefficients, _node: usize, _length: f64, _rate_share: f64) -> f64 {
+        f64::INFINITY
+    }
+
     /// Bound, slope along the stage and potential at one node; the potential of a law without is NaN.
     fn evaluate(&self, at: &At) -> Evaluation;
 

@@ -24,7 +24,13 @@
 //! L <= b share dt / D_c (1.1 + max(0, ln(theta0 / dt)))    slip,   `share` of the stage's rate in rb
 //! ```
 //!
-//! so L vanishes with the step. There is no closed potential.
+//! so L vanishes with the step. There is no closed potential. At steady slip, `theta = D_c / r`, both evolution laws give
+//!
+//! ```text
+//! r dmu/dr = (a - b share (1 - e^-x)) r / hypot(r, v)
+//! ```
+//!
+//! so a stage resists more the faster it slips up to `x = -ln(1 - a / (b share))`, and always where `a >= b share`.
 
 use super::{
     At, Coefficient, Coefficients, Extent, FrictionLaw, MemoryPath, Omitted, Range, Unit, Value,
@@ -116,6 +122,22 @@ impl FrictionLaw for RateAndState {
     fn advance(&self, coefficients: Coefficients, node: usize, path: MemoryPath, rate: f64) -> f64 {
         let node = Node::at(&coefficients, node);
         node.moved(path, rate).exp()
+    }
+
+    fn steady_limit(
+        &self,
+        coefficients: Coefficients,
+        node: usize,
+        length: f64,
+        rate_share: f64,
+    ) -> f64 {
+        let Node { a, b, distance, .. } = Node::at(&coefficients, node);
+        let share = a / (b * rate_share);
+        if share >= 1.0 {
+            f64::INFINITY
+        } else {
+            -(-share).ln_1p() * distance / length
+        }
     }
 
     fn evaluate(&self, at: &At) -> Evaluation {

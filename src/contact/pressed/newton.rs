@@ -12,8 +12,7 @@ use super::direction::Direction;
 use super::linearisation::{Distance, FactorCache, Following, PressedPoint};
 use super::point::{Point, Slopes, raise_slopes, set_slopes};
 use super::problem::PressedProblem;
-use super::residual::{relative_imbalance, residual_beyond_rounding, worst_node};
-use crate::contact::problem::LARGEST_FLOOR;
+use super::residual::{is_near_balance, residual_beyond_rounding, worst_node};
 
 /// Halvings of a step before Newton's method gives up.
 const HALVINGS: usize = 8;
@@ -42,8 +41,11 @@ pub(super) struct Newton {
     pub is_patient: bool,
     /// Whether steps are whole whatever the imbalance.
     is_bold: bool,
-    /// The point of the least imbalance among those of bold steps.
-    least: Point,
+    /// The least imbalance among the points of bold steps, N.
+    least_merit: f64,
+    /// Its point, where that is not the accepted one.
+    kept: Point,
+    is_least_kept: bool,
     /// Imbalance of the last points, the latest last.
     past: [f64; MEMORY],
     /// Steps taken so far.
@@ -105,7 +107,9 @@ impl Newton {
             cache: FactorCache::new(nodes, components),
             is_patient: false,
             is_bold: false,
-            least: Point::new(nodes, len),
+            least_merit: f64::NAN,
+            kept: Point::new(nodes, len),
+            is_least_kept: false,
             past: [0.0; MEMORY],
             steps: 0,
         }
@@ -162,9 +166,7 @@ impl Newton {
                 break;
             }
             if !budget.take() {
-                if self.is_bold && self.least.merit < self.accepted.merit {
-                    self.accepted.copy_from(&self.least);
-                }
+                self.take_least();
                 return Outcome::Exhausted;
             }
             self.steps += 1;
@@ -186,19 +188,31 @@ impl Newton {
         if !self.is_bold {
             return;
         }
-        if step == 0 || self.accepted.merit < self.least.merit {
-            self.least.copy_from(&self.accepted);
+        let merit = self.accepted.merit;
+        if step == 0 || merit < self.least_merit {
+            (self.least_merit, self.is_least_kept) = (merit, false);
+        } else if !self.is_least_kept {
+            // the best point is the one before, which a step leaves in `trial`
+            self.kept.copy_from(&self.trial);
+            self.is_least_kept = true;
         }
-        let is_near = self.accepted.merit <= TOO_BOLD * self.least.merit;
+        // not a number is far
+        let is_near = merit <= TOO_BOLD * self.least_merit;
         if step >= BOLD_STEPS || !is_near {
-            self.accepted.copy_from(&self.least);
+            self.take_least();
             self.is_bold = false;
         }
     }
 
+    /// Goes back to the point of the least imbalance among those of bold steps.
+    fn take_least(&mut self) {
+        if self.is_bold && self.is_least_kept {
+            self.accepted.copy_from(&self.kept);
+        }
+    }
+
     fn at_rounding(&self, problem: &PressedProblem, tolerance: f64) -> Option<f64> {
-        let is_small = relative_imbalance(problem, &self.accepted) <= LARGEST_FLOOR;
-        is_small
+        is_near_balance(problem, &self.accepted)
             .then(|| residual_beyond_rounding(problem, &self.accepted, tolerance))
             .flatten()
     }

@@ -61,6 +61,16 @@ impl Point {
         self.merit = length(&self.imbalance);
     }
 
+    /// `r - S v`: the forces less what is out of balance.
+    pub fn reaction(&self, problem: &PressedProblem, out: &mut [f64]) {
+        let normal = problem.components;
+        for (i, (out, imbalance)) in out.iter_mut().zip(&self.imbalance).enumerate() {
+            let is_normal = i % problem.size() == normal;
+            let force = self.f[i];
+            *out = (if is_normal { -force } else { force }) - imbalance;
+        }
+    }
+
     pub fn copy_from(&mut self, other: &Point) {
         self.v.copy_from_slice(&other.v);
         self.f.copy_from_slice(&other.f);

@@ -61,16 +61,23 @@ pub fn residual_beyond_rounding(
     Some(left)
 }
 
-/// Largest imbalance over the nodes, divided by the forces that meet.
-pub fn relative_imbalance(problem: &PressedProblem, point: &Point) -> f64 {
+/// Whether the imbalance of every node is within [`LARGEST_FLOOR`] of the forces that meet there.
+pub fn is_near_balance(problem: &PressedProblem, point: &Point) -> bool {
     if !point.merit.is_finite() {
-        return f64::NAN;
+        return false;
     }
-    let least = least_meeting(problem, point);
-    (0..problem.nodes()).fold(0.0, |worst, node| {
-        let scale = meeting(problem, point, node).max(least);
-        f64::max(worst, norm3(&point.imbalance[problem.at(node)]) / scale)
-    })
+    let nodes = 0..problem.nodes();
+    let imbalance = |node: usize| norm3(&point.imbalance[problem.at(node)]);
+    let most = most_meeting(problem, point);
+    // the usual case far from a solution
+    let is_far = |node: usize| imbalance(node) > LARGEST_FLOOR * most.max(f64::MIN_POSITIVE);
+    if nodes.clone().any(is_far) {
+        return false;
+    }
+    let least = least_of(most);
+    let is_near =
+        |node: usize| imbalance(node) / meeting(problem, point, node).max(least) <= LARGEST_FLOOR;
+    nodes.clone().all(is_near)
 }
 
 fn measure(problem: &PressedProblem, point: &Point) -> Option<Measure> {
@@ -96,9 +103,16 @@ fn measure(problem: &PressedProblem, point: &Point) -> Option<Measure> {
 
 /// The forces that meet at a node at least, N, where they are what it is measured against.
 fn least_meeting(problem: &PressedProblem, point: &Point) -> f64 {
-    let all = (0..problem.nodes()).map(|node| meeting(problem, point, node));
-    let most = all.fold(0.0, f64::max);
+    least_of(most_meeting(problem, point))
+}
+
+fn least_of(most: f64) -> f64 {
     (SCALE_FLOOR * most).max(f64::MIN_POSITIVE)
+}
+
+fn most_meeting(problem: &PressedProblem, point: &Point) -> f64 {
+    let all = (0..problem.nodes()).map(|node| meeting(problem, point, node));
+    all.fold(0.0, f64::max)
 }
 
 /// The imbalance of a node divided by what the node bears.

@@ -16,7 +16,6 @@ use super::newton::{Budget, Outcome};
 use super::problem::PressedProblem;
 use super::replaced;
 use super::residual::worst_node;
-use crate::linalg::multiply;
 
 /// Newton steps from the warm start after which something else is tried.
 const STEPS: usize = 25;
@@ -108,12 +107,15 @@ impl PressedWorkspace {
 impl Chain {
     fn run(&mut self, task: &mut Task) -> Outcome {
         self.newton.is_patient = false;
-        let first = self.descend(task);
-        self.best.copy_from(&self.newton.accepted);
+        let (problem, tolerance) = (task.problem, task.tolerance);
+        let Task { budget, at, .. } = task;
+        let first = self.newton.descend(problem, tolerance, STEPS, budget, at);
         // what is not a number leads nowhere
-        if first != Outcome::Stalled || !self.best.merit.is_finite() {
+        if first != Outcome::Stalled || !self.newton.accepted.merit.is_finite() {
+            std::mem::swap(&mut self.best, &mut self.newton.accepted);
             return first;
         }
+        self.best.copy_from(&self.newton.accepted);
         self.newton.is_patient = true;
         for stage in STAGES {
             let outcome = self.run_stage(*stage, task);
@@ -167,12 +169,9 @@ impl Chain {
     fn descend(&mut self, task: &mut Task) -> Outcome {
         let (problem, tolerance) = (task.problem, task.tolerance);
         let Task { budget, at, .. } = task;
-        let most = if self.newton.is_patient {
-            FURTHER_STEPS
-        } else {
-            STEPS
-        };
-        let outcome = self.newton.descend(problem, tolerance, most, budget, at);
+        let outcome = self
+            .newton
+            .descend(problem, tolerance, FURTHER_STEPS, budget, at);
         let accepted = &self.newton.accepted;
         let is_better = accepted.merit < self.best.merit;
         if outcome.is_solution() || is_better {
@@ -208,15 +207,15 @@ pub fn solve(
         at,
     };
     let outcome = chain.run(&mut task);
-    let (residual, node) = worst_node(problem, &chain.best);
+    let (residual, node) = match outcome {
+        Outcome::Converged(residual) => (residual, 0),
+        _ => worst_node(problem, &chain.best),
+    };
     if !residual.is_nan() {
         velocity.copy_from_slice(&chain.best.v);
         force.copy_from_slice(&chain.best.f);
     }
-    multiply(problem.s, velocity, reaction);
-    for (reaction, r) in reaction.iter_mut().zip(problem.r) {
-        *reaction = r - *reaction;
-    }
+    chain.best.reaction(problem, reaction);
     let converged = outcome.is_solution();
     PressedSolution {
         iterations: max_iterations - task.budget.left,
