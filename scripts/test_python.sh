@@ -9,6 +9,9 @@ export CARGO_TARGET_DIR
 
 [ -x .venv/bin/python ] || python3 -m venv .venv
 .venv/bin/python -m pip install --quiet --disable-pip-version-check -r python/tests/requirements.txt
+# maturin is looked for there
+PATH=$PWD/.venv/bin:$PATH
+export PATH
 # without isolation: an interpreter of its own for every build would have the bindings compiled anew
 .venv/bin/python -m pip install --quiet --disable-pip-version-check --no-build-isolation --no-deps .
 .venv/bin/python -m mypy

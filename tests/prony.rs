@@ -36,8 +36,9 @@ fn solved<const N: usize>(mut a: [[f64; N]; N], mut b: [f64; N]) -> [f64; N] {
     for i in 0..N {
         for j in i + 1..N {
             let share = a[j][i] / a[i][i];
-            for k in i..N {
-                a[j][k] -= share * a[i][k];
+            let row = a[i];
+            for (entry, above) in a[j].iter_mut().zip(row).skip(i) {
+                *entry -= share * above;
             }
             b[j] -= share * b[i];
         }
@@ -643,8 +644,7 @@ fn what_needs_a_dashpot_is_refused_without_one() {
             .map(|(p, v)| (p.to_string(), v.to_string()))
             .collect();
         let error = Scene::with_overrides(&scene.to_string(), "test", &edits)
-            .err()
-            .expect("a refusal")
+            .expect_err("a refusal")
             .to_string();
         assert!(
             error.contains(path) && error.contains(words) && error.contains("materials[1]"),
@@ -671,8 +671,7 @@ fn what_needs_a_dashpot_is_refused_without_one() {
     let one = [("material.viscosity.mu2".to_owned(), "0".to_owned())];
     let text = stickslip::scene::example("kazmi2014").unwrap();
     let error = Scene::with_overrides(text, "test", &one)
-        .err()
-        .expect("a refusal")
+        .expect_err("a refusal")
         .to_string();
     assert!(
         error.contains("material.viscosity.mu2") && error.contains("> 0"),

@@ -440,7 +440,7 @@ impl Simulator {
             let mut kept = state.get().kept();
             match &mut *kept {
                 Kept::Live(to) => inner.simulator.save(to).map_err(raised)?,
-                Kept::Bytes(..) => *kept = Kept::Live(inner.simulator.state().clone()),
+                Kept::Bytes(..) => *kept = Kept::Live(Box::new(inner.simulator.state().clone())),
             }
         }
         Ok(state)

@@ -8,7 +8,7 @@ use stickslip::Error;
 
 /// How a state is kept: as a simulator saved it, or as the bytes that came from elsewhere, which only a simulator can read.
 pub enum Kept {
-    Live(stickslip::State),
+    Live(Box<stickslip::State>),
     Bytes(Vec<u8>, f64),
 }
 
@@ -28,7 +28,7 @@ pub struct State(Mutex<Kept>);
 
 impl State {
     pub fn new(state: stickslip::State) -> State {
-        State(Mutex::new(Kept::Live(state)))
+        State(Mutex::new(Kept::Live(Box::new(state))))
     }
 
     /// What is kept. Nothing panics while it is held, and all of it is replaced at once.

@@ -9,19 +9,22 @@
 //! the accumulated slip, or what the kernel of the law remembers of it (iota is `|w_tau|` at every contact node), phi is B, j the friction with nodal
 //! quadrature, K the whole space: the normal components of contact nodes have no number.
 //!
-//! The trapezoid on these histories (`Quadrature::Mean` where the law has a kernel) is the component's own scheme, so both give the same trajectory to the tolerances of their
-//! solvers; the tests compare them.
+//! A material with memory has one more history per branch, `S_j w = int exp(-(t-s)/tau_j) w`, and `C_j S_j w` in phi.
+//!
+//! The trapezoid on these histories is the component's own scheme, so both give the same trajectory to the tolerances of their solvers; the
+//! tests compare them. Branches of a material take the relaxation rule and kernels of slip the mean rule, as the component does.
 
 use super::functional::{Coefficients, LinearPhi, Part};
 use super::{
-    ExponentialTerm, HistoryOperator, Inequality, Integrand, Kernel, Matrix, SolveError, Space,
-    SparseSymmetric,
+    ExponentialTerm, HistoryOperator, Inequality, Integrand, Kernel, Matrix, Quadrature,
+    SolveError, Space, SparseSymmetric,
 };
 use crate::contact::bounds::Bounds;
 use crate::contact::evaluation::SlipPath;
 use crate::contact::law::SlipKernel;
 use crate::fem::StrainNorm;
 use crate::model::Compilation;
+use crate::scene::Scheme;
 use nalgebra::DVector;
 use std::ops::Range;
 use std::sync::Arc;
@@ -40,17 +43,23 @@ fn nodes(compilation: &Compilation) -> Vec<Range<usize>> {
 ///
 /// # Errors
 /// [`SolveError::Scene`] for what is not of this form: contact with normal components (pressure, gaps), driven parts, foundations
-/// that move, friction laws with a state of their own.
+/// that move, friction laws with a state of their own; memory of materials or slip under another scheme than the trapezoid.
 pub fn of_scene(
     compilation: &Compilation,
     load: impl Fn(f64) -> Vec<f64> + 'static,
 ) -> Result<Inequality, SolveError> {
     let (model, body) = (Arc::clone(&compilation.model), &compilation.body);
+    let branches = &body.operators.memory;
+    let has_memory = !branches.is_empty() || !model.friction().kernel().is_empty();
     let refused = [
         (body.contact.has_normal, "contact with normal components"),
         (!body.drives.shapes.is_empty(), "driven parts"),
         (!body.foundation.is_empty(), "a foundation that moves"),
         (model.friction().has_memory(), "a friction law with a state"),
+        (
+            has_memory && model.scene().scheme() != Scheme::Trapezoid,
+            "memory under a scheme that is not the trapezoid",
+        ),
     ];
     if let Some((_, what)) = refused.into_iter().find(|(is_there, _)| *is_there) {
         return Err(SolveError::Scene { what });
@@ -87,9 +96,18 @@ pub fn of_scene(
     let nodes = nodes(compilation);
     problem.histories = vec![
         HistoryOperator::new(Kernel::constant(1.0), start),
-        slip(kernel(model.friction().kernel()), nodes.clone()),
+        slip(model.friction().kernel(), nodes.clone()),
     ];
-    problem.phi = Box::new(LinearPhi(vec![Some(b), None]));
+    let mut matrices = vec![Some(b), None];
+    for branch in branches {
+        let history = HistoryOperator::new(Kernel::exponential(branch.tau), DVector::zeros(n));
+        problem.histories.push(HistoryOperator {
+            rule: Some(Quadrature::Relaxation),
+            ..history
+        });
+        matrices.push(Some(on_pattern(branch.c.clone())?));
+    }
+    problem.phi = Box::new(LinearPhi(matrices));
     problem.parts = nodes.iter().cloned().map(Part::friction).collect();
     let certificate = model.certificate();
     let beta = certificate.c0_squared * certificate.l_g;
@@ -111,20 +129,19 @@ pub fn of_scene(
     Ok(problem)
 }
 
-/// The kernel of slip of a friction law.
-fn kernel(of_law: &SlipKernel) -> Kernel {
-    if of_law.is_empty() {
-        return Kernel::constant(1.0);
-    }
+/// The slip of the contact nodes, as the kernel of the law remembers it where there is one.
+fn slip(of_law: &SlipKernel, nodes: Vec<Range<usize>>) -> HistoryOperator {
     let terms = of_law.terms().iter().map(|term| ExponentialTerm {
         weight: term.weight,
         tau: term.tau,
     });
-    Kernel::Exponentials(terms.collect())
-}
-
-/// The slip of the contact nodes as the kernel remembers it.
-fn slip(kernel: Kernel, nodes: Vec<Range<usize>>) -> HistoryOperator {
+    let (kernel, rule) = match of_law.is_empty() {
+        true => (Kernel::constant(1.0), None),
+        false => (
+            Kernel::Exponentials(terms.collect()),
+            Some(Quadrature::Mean),
+        ),
+    };
     let count = nodes.len();
     HistoryOperator {
         integrand: Integrand::Map {
@@ -133,6 +150,7 @@ fn slip(kernel: Kernel, nodes: Vec<Range<usize>>) -> HistoryOperator {
             lipschitz: 1.0,
             of: Box::new(move |w| DVector::from_fn(count, |node, _| length(w, &nodes[node]))),
         },
+        rule,
         ..HistoryOperator::new(kernel, DVector::zeros(count))
     }
 }

@@ -50,6 +50,8 @@ pub struct HistoryOperator {
     pub factor: Option<Box<dyn Fn(f64) -> DMatrix<f64>>>,
     /// a, of the dimension of the integrand.
     pub start: DVector<f64>,
+    /// A quadrature of its own; that of the run where it is `None`.
+    pub rule: Option<Quadrature>,
 }
 
 impl HistoryOperator {
@@ -60,6 +62,7 @@ impl HistoryOperator {
             integrand: Integrand::Identity,
             factor: None,
             start,
+            rule: None,
         }
     }
 
@@ -123,7 +126,9 @@ impl<'a> Course<'a> {
         )?;
         Ok(Course {
             of,
-            past: of.kernel.past(dimension, rule, k)?,
+            past: of
+                .kernel
+                .past(dimension, of.rule.as_ref().unwrap_or(rule), k)?,
             known: of.start.clone(),
             own: Own::Number(0.0),
             factor: None,

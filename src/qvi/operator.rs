@@ -12,8 +12,8 @@ pub trait Operator {
     /// `A u`.
     fn apply(&self, u: &DVector<f64>) -> DVector<f64>;
 
-    /// The matrix of a linear operator. It is then solved by a factorization; without one by the contraction of
-    /// [`super::elliptic`], which needs [`Operator::constants`].
+    /// The matrix of a linear operator. It is then solved by a factorization; without one by a
+    /// contraction, which needs [`Operator::constants`].
     fn matrix(&self) -> Option<&Matrix> {
         None
     }

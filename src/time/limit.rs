@@ -19,14 +19,16 @@ impl WorkLimit {
         let ends = usize::from(!tableau.ends_with_stage());
         let stages = (tableau.stages().len() + ends) as u64;
         // the second solution takes steps of half the size
-        let (solutions, steps) = match model.has_error_estimate() {
-            true => (2, 3 * internal_steps),
-            false => (1, internal_steps),
-        };
+        let solutions = if model.has_error_estimate() { 3 } else { 1 };
         WorkLimit {
             left: model.work_limit(),
-            problems: solutions + stages * steps,
+            problems: solutions * stages * internal_steps,
         }
+    }
+
+    /// The step has so many problems more: those of a jump.
+    pub fn expect(&mut self, problems: u64) {
+        self.problems += problems;
     }
 
     pub fn is_given(&self) -> bool {

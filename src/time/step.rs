@@ -111,6 +111,7 @@ fn apply_jumps(model: &Model, state: &mut State, ws: &mut Workspace, h: f64) -> 
     if !is_settled && (model.tableau().uses_start_velocity() || model.tolerance().is_some()) {
         let approach = |inputs: &[f64]| model.motions().approach(inputs);
         let rate = (approach(&ws.course.end) - approach(&ws.course.start)) / h;
+        ws.limit.expect(1 + u64::from(model.has_error_estimate()));
         settle(model, state, ws, rate)?;
         second::follow_jump(model, state, ws, rate)?;
     }

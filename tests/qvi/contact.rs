@@ -52,8 +52,8 @@ fn compare(value: &Value, rule: &Quadrature) -> usize {
         let state = simulator.state();
         assert!(relative(w.as_slice(), state.velocity()) < 1e-10, "step {n}");
         if n > 0 {
-            let [displacement, slip] = run.histories() else {
-                panic!("two histories")
+            let [displacement, slip, ..] = run.histories() else {
+                panic!("two histories and more")
             };
             let initial = compilation.body.initial.as_ref();
             let initial = initial.map_or(vec![0.0; w.len()], |initial| initial.field.clone());
@@ -118,7 +118,10 @@ fn friction_with_a_memory_of_slip_is_an_instance() {
     let friction = json!({"law": "bound",
         "bound": {"kind": "slip_weakening", "static": 0.05, "dynamic": 0.03, "distance": 0.03},
         "memory": {"kernel": [{"weight": 1.0, "tau": 0.3}, {"weight": 0.5, "tau": 0.02}]}});
-    compare(&pad(friction, "trapezoid", rectangle()), &Quadrature::Mean);
+    compare(
+        &pad(friction, "trapezoid", rectangle()),
+        &Quadrature::Trapezoid,
+    );
 }
 
 #[test]
@@ -128,6 +131,20 @@ fn a_body_that_starts_displaced_is_an_instance() {
     let component = |text: &str| json!({ "expression": text });
     value["initial"]["displacement"] = json!([component("0.02 * x"), component("0.01 * x * y")]);
     compare(&value, &Quadrature::Trapezoid);
+}
+
+#[test]
+fn a_material_with_memory_is_an_instance() {
+    let friction = json!({"law": "exponential", "a": 0.05, "b": 0.02, "alpha": 2.0});
+    let mut value = pad(friction, "trapezoid", rectangle());
+    value["material"]["memory"] = json!([
+        {"tau": 0.05, "law": "isotropic", "shear": 0.3, "bulk": 0.5},
+        {"tau": 0.8, "law": "isotropic", "shear": 0.2, "bulk": 0.1}]);
+    compare(&value, &Quadrature::Trapezoid);
+    value["time"]["scheme"] = json!("tr_bdf2");
+    let compilation = Compilation::new(&scene(&value)).unwrap();
+    let refused = of_scene(&compilation, |_| vec![0.0]);
+    assert!(matches!(refused.err(), Some(SolveError::Scene { .. })));
 }
 
 #[test]

@@ -96,7 +96,7 @@ impl Axis {
                 if !(a.is_finite() && b.is_finite()) {
                     return Err(refuse(path, &format!("{a} to {b}"), "finite numbers"));
                 }
-                if range.is_logarithmic && !(a * b > 0.0) {
+                if range.is_logarithmic && a * b <= 0.0 {
                     let allowed =
                         "two positive or two negative numbers where steps are logarithmic";
                     return Err(refuse(path, &format!("{a} to {b}"), allowed));
