@@ -1,12 +1,13 @@
 //! Pressed and moving contact against closed forms: a column that closes and lifts off, total Coulomb friction, the stick-slip cycle
-//! of a spring slider.
+//! of a spring slider, Hertz and Cattaneo-Mindlin on a mesh of Gmsh, a drum brake.
 
 mod common;
 
 use common::{scene, start, value, values};
 use serde_json::{Value, json};
+use std::f64::consts::PI;
 use stickslip::simulator::drive::Drive;
-use stickslip::{Simulator, compile};
+use stickslip::{MemoryFiles, Simulator, compile, compile_from};
 
 const YOUNG: f64 = 2.0;
 const VISCOSITY: f64 = 0.3;
@@ -221,6 +222,188 @@ fn spring_slider_sticks_and_slips_with_its_period() {
             "{steps}: {period} {measured}"
         );
     }
+}
+
+/// A file of the test meshes under the name that the scene has for it.
+fn file(name: &str) -> MemoryFiles {
+    let root = env!("CARGO_MANIFEST_DIR");
+    let bytes = std::fs::read(format!("{root}/tests/meshes/{name}.msh")).unwrap();
+    MemoryFiles::new([("part.msh", bytes.as_slice())])
+}
+
+fn set(simulator: &mut Simulator, name: &str, value: f64) {
+    let reference = simulator.model().ports().find(name).unwrap().reference;
+    simulator.set(reference, value).unwrap();
+}
+
+/// Largest errors of a pressed and dragged half disc against the theories of Hertz and of Cattaneo and Mindlin.
+#[derive(Debug, Default)]
+struct PartialSlip {
+    /// Half width of the contact, by the second moment of the pressure and by the nodes that touch.
+    widths: [f64; 2],
+    /// Pressure and shear over the width, root mean square.
+    pressure: f64,
+    shear: f64,
+    /// Half width of the zone that sticks, by the nodes and by the shear in the middle.
+    stick: [f64; 2],
+}
+
+/// Half a disc of Gmsh, pressed without friction on the flat foundation and then dragged with it, slowly: `a^2 = 4 P R / (pi E*)`,
+/// `p = 2 P / (pi a) sqrt(1 - x^2/a^2)`, `c = a sqrt(1 - Q / (mu P))`, shear `mu (p_a - c/a p_c)`. The width of the contact is 1/50
+/// of the radius, and the body nearly incompressible: what the theories leave out (the shear bends the surface along its normal) is
+/// below 1 %.
+fn partial_slip(mesh: &str) -> PartialSlip {
+    const RADIUS: f64 = 0.05;
+    const MU: f64 = 0.02;
+    let (young, poisson, time) = (1e7, 0.45, 1e-3);
+    let (mu1, mu2) = (
+        young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson)),
+        young / (1.0 + poisson),
+    );
+    let scene = scene(&json!({"schema_version": 1, "name": "half_disc",
+        "mesh": {"kind": "gmsh", "file": "part.msh"},
+        "material": {"viscosity": {"law": "isotropic", "mu1": time * mu1, "mu2": time * mu2},
+                     "elasticity": {"law": "isotropic", "young": young, "poisson": poisson, "convention": "plane_strain"}},
+        "driven": [{"part": "top", "input": "displacement", "directions": {"press": [0, -1], "drag": [1, 0]}}],
+        "contact": {"part": "round", "condition": {"kind": "unilateral", "gap": "geometry"},
+                    "friction": {"law": "coulomb", "coefficient": 0.0}},
+        "time": {"scheme": "backward_euler", "step": 0.1},
+        "fidelity": {"model": "condensed", "friction_tolerance": 1e-10}}));
+    let mut simulator = common::started(compile_from(&scene, &file(mesh)).unwrap());
+    let step = |simulator: &mut Simulator, press: f64, drag: f64| {
+        set(simulator, "press", press);
+        set(simulator, "drag", drag);
+        simulator.do_step(simulator.time(), 0.1).unwrap();
+    };
+    let depth = 4.4e-5;
+    for i in 1..=12 {
+        step(&mut simulator, depth * f64::from(i.min(10)) / 10.0, 0.0);
+    }
+    set(&mut simulator, "contact.friction.coefficient", MU);
+    let mut worst = PartialSlip::default();
+    let mut sampled = 0;
+    for i in 0..=16 {
+        step(&mut simulator, depth, 1.6e-6 * f64::from(i) / 16.0);
+        let contact = simulator.model().contact();
+        let (x, w): (Vec<f64>, &[f64]) = (
+            contact.points.iter().map(|p| p[0]).collect(),
+            &contact.weights,
+        );
+        let sum = |f: &dyn Fn(usize) -> f64| (0..w.len()).map(|n| w[n] * f(n)).sum::<f64>();
+        let [p, q, status] = ["pressure", "tangential_stress", "status"]
+            .map(|name| values(&simulator, &format!("contact.{name}")));
+        let (force, pull) = (sum(&|n| p[n]), -sum(&|n| q[n]));
+        let modulus = young / (1.0 - poisson * poisson);
+        let a = (4.0 * force * RADIUS / (PI * modulus)).sqrt();
+        let hertz = |width: f64, n: usize| {
+            let most = 2.0 * force / (PI * a);
+            most * (width / a) * (1.0 - (x[n] / width).powi(2)).max(0.0).sqrt()
+        };
+        let most = |to: &mut f64, error: f64| *to = to.max(error.abs());
+        let moment = 2.0 * (sum(&|n| p[n] * x[n] * x[n]) / force).sqrt();
+        most(&mut worst.widths[0], moment / a - 1.0);
+        let touching = sum(&|n| f64::from(u8::from(status[n] > 0.0))) / 2.0;
+        most(&mut worst.widths[1], touching / a - 1.0);
+        let rms = |f: &dyn Fn(usize) -> f64, g: &dyn Fn(usize) -> f64| {
+            (sum(&|n| (f(n) - g(n)).powi(2)) / sum(&|n| g(n).powi(2))).sqrt()
+        };
+        if i == 0 {
+            most(&mut worst.pressure, rms(&|n| p[n], &|n| hertz(a, n)));
+        }
+        let share = pull / (MU * force);
+        if !(0.25..0.8).contains(&share) {
+            continue;
+        }
+        sampled += 1;
+        let c = a * (1.0 - share).sqrt();
+        let shear = |n: usize| MU * (hertz(a, n) - hertz(c, n));
+        most(&mut worst.shear, rms(&|n| -q[n], &shear));
+        let sticking = sum(&|n| f64::from(u8::from(status[n] == 1.0))) / 2.0;
+        most(&mut worst.stick[0], sticking / c - 1.0);
+        let middle = (0..w.len())
+            .min_by(|i, j| x[*i].abs().total_cmp(&x[*j].abs()))
+            .unwrap();
+        let by_shear = a * (1.0 + q[middle] / (MU * p[middle]));
+        most(&mut worst.stick[1], by_shear / c - 1.0);
+        println!(
+            "{mesh} Q/(mu P) {share:.3} stick {:.4} {:.4}",
+            sticking / c - 1.0,
+            by_shear / c - 1.0
+        );
+    }
+    assert!(sampled >= 4, "{sampled}");
+    println!("{mesh} {worst:?}");
+    worst
+}
+
+#[test]
+fn half_disc_is_that_of_hertz_and_slips_as_cattaneo_and_mindlin_say() {
+    let (fine, coarse) = (partial_slip("half_disc"), partial_slip("half_disc_coarse"));
+    for (what, fine, coarse, limit) in [
+        ("width", fine.widths[0], coarse.widths[0], 0.02),
+        ("width by nodes", fine.widths[1], f64::INFINITY, 0.02),
+        ("pressure", fine.pressure, coarse.pressure, 0.02),
+        ("shear", fine.shear, coarse.shear, 0.05),
+        ("stick zone by nodes", fine.stick[0], f64::INFINITY, 0.02),
+        ("stick zone", fine.stick[1], coarse.stick[1], 0.02),
+    ] {
+        assert!(fine < limit, "{what}: {fine}");
+        // what nodes count goes in steps of a node
+        assert!(fine < coarse, "{what}: {fine} {coarse}");
+    }
+}
+
+/// A stiff shoe that turns about a hinge into a drum: the lining, which gives way in proportion to the pressure, has the pressure
+/// `p = k phi a sin(theta)`, a the distance of the hinge from the axis and theta the angle from it. Moments of the pressure and of
+/// the friction about the hinge, and the torque, are those of the long internal shoe of textbooks: friction presses the shoe on
+/// (leading) or off (trailing).
+#[test]
+fn drum_brake_amplifies_its_torque() {
+    let (radius, distance, hinge) = (0.14, 0.11, 2.1_f64);
+    let (stiffness, mu, turn) = (1e6, 0.4, 1e-3);
+    // the lining of the mesh reaches from 0.6 to 1.8
+    let (from, to) = (hinge - 1.8, hinge - 0.6);
+    let scale = stiffness * turn * distance * radius;
+    let squares = |t: f64| t / 2.0 - (2.0 * t).sin() / 4.0;
+    let of_pressure = scale * distance * (squares(to) - squares(from));
+    let cosines = f64::cos(from) - f64::cos(to);
+    let both = (f64::sin(to).powi(2) - f64::sin(from).powi(2)) / 2.0;
+    let of_friction = mu * scale * (radius * cosines - distance * both);
+    let torque = mu * scale * radius * cosines;
+    let mut actuation = Vec::new();
+    for sense in [1.0, -1.0] {
+        let scene = scene(&json!({"schema_version": 1, "name": "drum_brake",
+            "mesh": {"kind": "gmsh", "file": "part.msh"},
+            "material": {"viscosity": {"law": "isotropic", "mu1": 1e8, "mu2": 1e8},
+                         "elasticity": {"law": "isotropic", "young": 1e13, "poisson": 0.3, "convention": "plane_strain"}},
+            "driven": [{"part": "cam", "input": "displacement", "directions":
+                {"turn": {"centre": [distance * hinge.cos(), distance * hinge.sin()]}}}],
+            "contact": {"part": "drum face", "condition": {"kind": "compliance", "stiffness": stiffness},
+                        "friction": {"law": "coulomb", "coefficient": mu},
+                        "foundation": [{"kind": "rotation", "name": "drum", "centre": [0, 0], "start": sense * 20.0}]},
+            "time": {"scheme": "backward_euler", "step": 0.1},
+            "fidelity": {"model": "condensed", "friction_tolerance": 1e-10}}));
+        let mut simulator = common::started(compile_from(&scene, &file("shoe")).unwrap());
+        for i in 1..=12 {
+            set(&mut simulator, "turn", turn * f64::from(i.min(10)) / 10.0);
+            simulator.do_step(simulator.time(), 0.1).unwrap();
+        }
+        assert_eq!(value(&simulator, "contact.stick_fraction"), 0.0);
+        let close = |found: f64, exact: f64, what: &str| {
+            assert!(
+                (found / exact - 1.0).abs() < 1e-3,
+                "{what} {sense}: {found} {exact}"
+            );
+        };
+        close(value(&simulator, "drum.torque"), sense * torque, "torque");
+        let needed = value(&simulator, "turn.torque");
+        close(needed, of_pressure - sense * of_friction, "actuation");
+        actuation.push(needed);
+    }
+    // the leading shoe gets by with a fraction of what the trailing one needs
+    let amplification = (of_pressure + of_friction) / (of_pressure - of_friction);
+    assert!(amplification > 2.0, "{amplification}");
+    assert!((actuation[1] / actuation[0] / amplification - 1.0).abs() < 2e-3);
 }
 
 /// A gap that is written as a formula is the gap node by node; what is no formula, no number or no gap is refused with its place.

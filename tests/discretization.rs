@@ -395,14 +395,87 @@ fn one_quadratic_cell_carries_a_column_under_its_weight() {
     }
 }
 
-/// Also of a scene that was not validated.
+/// A layer that is endless in its plane.
+fn layer(contact: Value, start: &str) -> Value {
+    json!({"schema_version": 1, "name": "layer", "element": "p2",
+        "mesh": {"kind": "box", "size": [1.0, 0.5, 0.7], "cells": [2, 2, 1], "periodic": ["x", "z"]},
+        "material": {"viscosity": {"law": "isotropic", "mu1": 0.3, "mu2": 0.4},
+                     "elasticity": {"law": "isotropic", "young": 2.0, "poisson": 0.3, "convention": "three_dimensional"}},
+        "clamped": ["top"], "contact": contact,
+        "time": {"step": 0.05, "scheme": "trapezoid", "start": start}, "fidelity": {"model": "condensed", "friction_tolerance": 1e-13}})
+}
+
+/// Quadratic tetrahedra bear friction at the midside nodes alone, with a third of each face. Then a constant traction is in balance node
+/// by node: a layer over a foundation that slides away under it moves alike everywhere, as the scheme has it for one spring and dashpot.
 #[test]
-fn quadratic_elements_need_a_plane_mesh() {
-    let text = stickslip::scene::example("brake_pad_3d").unwrap();
-    let mut scene = Scene::from_json(text, "pad").unwrap();
-    scene.element = Some(ElementKind::P2);
-    let error = Body::assemble(&scene).expect_err("no quadratic tetrahedra");
-    assert!(matches!(error, stickslip::Error::Scene { path, .. } if path == "element"));
+fn constant_friction_of_quadratic_tetrahedra_shears_a_layer_evenly() {
+    let (bound, height) = (0.07, 0.5);
+    let contact = json!({"part": "bottom", "friction": {"law": "tresca", "bound": bound},
+        "foundation": [{"kind": "sliding", "name": "belt", "direction": [1, 0, 1], "start": 5.0}]});
+    let scene = parse(&layer(contact, "consistent"));
+    let mut simulator = start(&scene);
+    let contact = simulator.model().contact().clone();
+    assert!((contact.weights.iter().sum::<f64>() - 0.7).abs() < 1e-14);
+    assert!(contact.weights.iter().all(|w| *w > 0.0));
+    // two cells of the bottom, two triangles each, three sides each, of which the periodic ones are one
+    assert_eq!(contact.node_count(), 6);
+    let (resistance, stiffness) = (0.4 / 2.0, 2.0 / 2.6);
+    let (mut velocity, mut displacement) = (bound * height / resistance, 0.0);
+    for step in 0..10 {
+        steps(&mut simulator, 0.05, 1);
+        let theta = 0.025;
+        let explicit = displacement + theta * velocity;
+        velocity = (bound * height - stiffness * explicit) / (resistance + theta * stiffness);
+        displacement = explicit + theta * velocity;
+        let moved = velocity / 2f64.sqrt() - 5.0 / 2f64.sqrt();
+        for rate in values(&simulator, "contact.slip_rate") {
+            assert!((rate - moved).abs() < 1e-11, "{step}: {rate} {moved}");
+        }
+    }
+}
+
+/// The same under pressure: a layer that the foundation presses has one pressure at all nodes, whatever the contact may do.
+#[test]
+fn pressure_of_quadratic_tetrahedra_is_constant_under_an_even_approach() {
+    for kind in ["bilateral", "unilateral", "compliance"] {
+        let mut condition = json!({ "kind": kind });
+        if kind == "compliance" {
+            condition["stiffness"] = json!(50.0);
+        }
+        let contact = json!({"part": "bottom", "condition": condition, "friction": {"law": "coulomb", "coefficient": 0.3},
+            "foundation": [{"kind": "approach", "name": "rise"}]});
+        let mut value = layer(contact, "consistent");
+        value["time"]["scheme"] = json!("tr_bdf2");
+        let mut simulator = start(&parse(&value));
+        for step in 1..=6 {
+            let rise = simulator.model().ports().find("rise").unwrap().reference;
+            simulator.set(rise, 0.01 * f64::from(step)).unwrap();
+            steps(&mut simulator, 0.05, 1);
+            let pressures = values(&simulator, "contact.pressure");
+            let mean = common::value(&simulator, "contact.normal_force") / 0.7;
+            assert!(mean > 0.01, "{kind}");
+            for pressure in &pressures {
+                assert!(
+                    (pressure / mean - 1.0).abs() < 1e-9,
+                    "{kind} {step}: {pressure} {mean}"
+                );
+            }
+            // what the foundation gives is what the layer takes
+            let force = common::value(&simulator, "rise.force");
+            assert!((force / 0.7 / mean - 1.0).abs() < 1e-9);
+        }
+        if kind != "compliance" {
+            // after the steps the strain is known, and with it the elastic share of the pressure
+            steps(&mut simulator, 0.05, 200);
+            let modulus = 2.0 * 0.7 / (1.3 * 0.4);
+            let exact = modulus * 0.06 / 0.5;
+            let pressure = values(&simulator, "contact.pressure")[0];
+            assert!(
+                (pressure / exact - 1.0).abs() < 1e-6,
+                "{kind} {pressure} {exact}"
+            );
+        }
+    }
 }
 
 /// The strain norm of a compiled scene is that of the field, for quadratic elements too.

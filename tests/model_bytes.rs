@@ -5,7 +5,8 @@ mod common;
 use common::random::Random;
 use common::{paper, started, steps};
 use std::sync::Arc;
-use stickslip::{Model, Scene, Simulator, compile};
+use stickslip::scene::ExampleFiles;
+use stickslip::{Model, Scene, Simulator, compile, compile_from};
 
 fn scenes() -> Vec<Scene> {
     let mut scenes: Vec<Scene> = ["reduced", "condensed", "full"]
@@ -25,7 +26,7 @@ fn scenes() -> Vec<Scene> {
 #[test]
 fn a_loaded_model_is_the_compiled_one() {
     for scene in scenes() {
-        let compiled = compile(&scene).unwrap();
+        let compiled = compile_from(&scene, &ExampleFiles).unwrap();
         let bytes = compiled.to_bytes();
         let loaded = Model::from_bytes(&bytes).unwrap();
         assert_eq!(loaded.fingerprint(), compiled.fingerprint());
@@ -35,7 +36,7 @@ fn a_loaded_model_is_the_compiled_one() {
         assert_eq!(loaded.summary(), compiled.summary());
         assert!(loaded.to_bytes() == bytes);
         assert_eq!(
-            compile(&scene).unwrap().fingerprint(),
+            compile_from(&scene, &ExampleFiles).unwrap().fingerprint(),
             compiled.fingerprint()
         );
         let k = compiled.largest_step();

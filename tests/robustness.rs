@@ -18,7 +18,7 @@ fn endure(scene: &Scene, k: f64, count: usize) -> f64 {
         simulator.set_inputs(&inputs).unwrap();
         simulator
             .do_step(simulator.time(), k)
-            .unwrap_or_else(|e| panic!("k = {k}, {:?}: {e}", scene.contact.friction));
+            .unwrap_or_else(|e| panic!("k = {k}, {:?}: {e}", scene.contacts()[0].friction));
         assert!(value(&simulator, "solver.residual") <= 1e-10);
         most = most.max(value(&simulator, "solver.iterations"));
         assert!(

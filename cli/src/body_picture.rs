@@ -7,6 +7,8 @@ use std::path::Path;
 use stickslip::mesh::Mesh;
 use stickslip::{Compilation, Scene, Simulator};
 
+/// Share of the size of a body below which a displacement is rounding.
+const ROUNDING: f64 = 1e-14;
 /// Share of the size of the body that a displacement must have to be seen at true scale.
 const VISIBLE: f64 = 0.02;
 /// Share of the size of the body up to which a smaller displacement is enlarged.
@@ -31,12 +33,14 @@ pub fn draw(
     let largest = amount.iter().copied().fold(0.0, f64::max);
     let factor = enlargement(largest / size);
     let shape = Shape::new(&body.mesh, &displacement, factor);
-    let faces = body.mesh.faces(&scene.contact.part, "contact.part");
-    let contact = faces
-        .map_err(Failure::of(&scene.name))?
-        .map(|face| [face[0], face[1]].map(|node| shape.nodes[node as usize]))
-        .map(Vec::from)
-        .collect();
+    let mut contact = Vec::new();
+    for of in scene.contacts() {
+        let path = format!("{}.part", of.path);
+        let faces = body.mesh.faces(&of.part, &path);
+        let faces = faces.map_err(Failure::of(&scene.name))?;
+        let ends = faces.map(|face| [face[0], face[1]].map(|node| shape.nodes[node as usize]));
+        contact.extend(ends.map(Vec::from));
+    }
     let scale = match factor {
         1.0 => "true scale".to_owned(),
         _ => format!("displacement times {factor}"),
@@ -95,7 +99,7 @@ fn border(mesh: &Mesh) -> Vec<Vec<Place>> {
 
 /// 1 for a displacement of this share that can be seen, else the largest of 1, 2, 5, 10, ... that keeps it small.
 fn enlargement(share: f64) -> f64 {
-    if !(share > 0.0 && share < VISIBLE) {
+    if !(share > ROUNDING && share < VISIBLE) {
         return 1.0;
     }
     let most = LARGEST / share;
@@ -112,6 +116,7 @@ mod tests {
     fn small_displacements_are_enlarged_by_round_factors() {
         for (share, factor) in [
             (0.0, 1.0),
+            (1e-20, 1.0),
             (0.3, 1.0),
             (0.02, 1.0),
             (0.019, 5.0),

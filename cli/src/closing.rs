@@ -5,6 +5,7 @@ use comfy_table::{LineStyle, Table, TableStyle, presets};
 use serde_json::{Value, json};
 use std::time::Duration;
 use stickslip::Model;
+use stickslip::fem::ContactPart;
 use stickslip::message::{escaped, number};
 use stickslip::model::Summary;
 use stickslip::scene::ModelKind;
@@ -228,6 +229,18 @@ fn several(found: Multiplicity, steps: usize) -> String {
     }
 }
 
+/// How many contact nodes there are, and of several contacts on which.
+fn contact_nodes(model: &Model) -> String {
+    let contact = model.contact();
+    let count = contact.node_count().to_string();
+    if contact.parts.len() == 1 {
+        return count;
+    }
+    let of = |part: &ContactPart| format!("{} on {}", part.nodes.len(), part.name);
+    let parts: Vec<String> = contact.parts.iter().map(of).collect();
+    format!("{count}: {}", parts.join(", "))
+}
+
 /// What was compiled.
 pub fn compiled(summary: &Summary, model: &Model) -> Vec<(&'static str, String)> {
     let mut rows = vec![
@@ -245,7 +258,7 @@ pub fn compiled(summary: &Summary, model: &Model) -> Vec<(&'static str, String)>
                 summary.free_dofs, summary.dofs_with_multipliers
             ),
         ),
-        ("contact nodes", model.contact().node_count().to_string()),
+        ("contact nodes", contact_nodes(model)),
         (
             "model",
             format!(

@@ -1,7 +1,8 @@
 //! The CSV of `run`: one row per communication point and contact node.
 //!
 //! `time,node,x,y,slip_rate,slip,accumulated_slip,tangential_stress,stick`; in 3D with `z` and with `_1`, `_2` on what has
-//! two tangential components. Where the scene has them `pressure`, `gap` and `status` (0 open, 1 sticks, 2 slips) follow. Numbers are the shortest that read back equal.
+//! two tangential components. Where the scene has them `pressure`, `gap` and `status` (0 open, 1 sticks, 2 slips) follow, and with several contacts `part`, the name of the one that the node
+//! is on. Numbers are the shortest that read back equal.
 
 use crate::course::{Frame, NORMAL};
 use crate::failure::Failure;
@@ -29,7 +30,7 @@ impl ContactTable {
         let failed = Failure::writing(path);
         let mut writer = csv::Writer::from_writer(standard::create(path)?);
         writer
-            .write_record(header(contact.components, ports))
+            .write_record(header(contact, ports))
             .map_err(|e| failed(&e))?;
         Ok(ContactTable {
             path: path.to_owned(),
@@ -55,7 +56,8 @@ impl ContactTable {
                 .chain(frame.normal.iter().map(|(name, values)| match *name {
                     STATUS => format!("{}", values[node]),
                     _ => shortest(values[node]),
-                }));
+                }))
+                .chain(part_name(contact, node));
             self.writer
                 .write_record(row)
                 .map_err(|e| Failure::writing(&self.path)(&e))?;
@@ -70,7 +72,15 @@ impl ContactTable {
     }
 }
 
-fn header(components: usize, ports: &Ports) -> Vec<String> {
+/// The contact of a node, where there are several.
+fn part_name(contact: &ContactPatch, node: usize) -> Option<String> {
+    let name = || contact.parts[contact.part_of(node)].name.clone();
+    (contact.parts.len() > 1).then(name)
+}
+
+fn header(contact: &ContactPatch, ports: &Ports) -> Vec<String> {
+    let components = contact.components;
+    let part = (contact.parts.len() > 1).then(|| "part".to_owned());
     let normal = NORMAL.iter().filter(|name| ports.find(name).is_ok());
     let normal = normal.map(|name| name.trim_start_matches("contact.").to_owned());
     let field = |name: &str| -> Vec<String> {
@@ -89,6 +99,7 @@ fn header(components: usize, ports: &Ports) -> Vec<String> {
         .chain(field("tangential_stress"))
         .chain(["stick".to_owned()])
         .chain(normal)
+        .chain(part)
         .collect()
 }
 

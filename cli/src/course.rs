@@ -1,6 +1,7 @@
 //! The course of a scene: its simulator, stepped from communication point to communication point on the scene's signals.
 
 use crate::failure::Failure;
+use std::ops::Range;
 use std::time::{Duration, Instant};
 use stickslip::simulator::drive::Drive;
 use stickslip::{Scene, Simulator};
@@ -24,6 +25,28 @@ pub struct Frame {
 pub const NORMAL: [&str; 3] = ["contact.pressure", "contact.gap", "contact.status"];
 
 impl Frame {
+    /// The same of some of the contact nodes, which can open or not.
+    pub fn of_nodes(&self, nodes: Range<usize>, can_open: bool) -> Frame {
+        let c = self.slip_rate.len() / self.stick.len();
+        let field = |values: &[f64]| values[nodes.start * c..nodes.end * c].to_vec();
+        let nodal = |values: &[f64]| values[nodes.clone()].to_vec();
+        let [pressure, ..] = NORMAL;
+        let normal = self.normal.iter();
+        let normal = normal.filter(|(name, _)| can_open || *name == pressure);
+        Frame {
+            time: self.time,
+            slip_rate: field(&self.slip_rate),
+            slip: field(&self.slip),
+            accumulated_slip: nodal(&self.accumulated_slip),
+            tangential_stress: field(&self.tangential_stress),
+            stick: nodal(&self.stick),
+            normal: normal
+                .map(|(name, values)| (*name, nodal(values)))
+                .collect(),
+            energy: self.energy,
+        }
+    }
+
     /// Values of a port along the normal.
     pub fn normal(&self, name: &str) -> &[f64] {
         let known = self.normal.iter().find(|(known, _)| *known == name);

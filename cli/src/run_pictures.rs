@@ -14,8 +14,10 @@ use stickslip::fem::ContactPatch;
 const INSTANTS: usize = 6;
 /// Slip rates below this share of the largest share one colour.
 const FAINTEST: f64 = 1e-4;
+/// Cosine between tangents of a contact below which it counts as curved.
+const STRAIGHT: f64 = 1.0 - 1e-6;
 
-/// Draws everything into `folder`.
+/// Draws everything into `folder`: the energies, and a set of pictures for every contact.
 pub fn draw(
     folder: &Path,
     scene: &Scene,
@@ -24,14 +26,43 @@ pub fn draw(
 ) -> Result<(), Failure> {
     let failed = Failure::writing(folder);
     std::fs::create_dir_all(folder).map_err(|e| failed(&e))?;
-    let line = Line::of(contact);
-    let name = &scene.name;
-    let sheet = |title: String, height, panels| Sheet {
+    sheet(
+        format!("{}: energies", scene.name),
+        560,
+        vec![Panel::Curves(energies(frames))],
+    )
+    .save(folder, "energies")?;
+    if contact.parts.len() == 1 {
+        return draw_contact(folder, (&scene.name, ""), contact, frames);
+    }
+    for (i, part) in contact.parts.iter().enumerate() {
+        let of_part = |frame: &Frame| frame.of_nodes(part.nodes.clone(), part.can_open);
+        let own: Vec<Frame> = frames.iter().map(of_part).collect();
+        let title = format!("{}, {}", scene.name, part.name);
+        let suffix = format!("_{}", part.name);
+        draw_contact(folder, (&title, &suffix), &contact.of_part(i), &own)?;
+    }
+    Ok(())
+}
+
+fn sheet(title: String, height: u32, panels: Vec<Panel>) -> Sheet {
+    Sheet {
         title,
         width: 1200,
         height,
         rows: vec![(1.0, panels)],
-    };
+    }
+}
+
+/// Draws one contact, into files whose names end in `suffix`.
+fn draw_contact(
+    folder: &Path,
+    (name, suffix): (&str, &str),
+    contact: &ContactPatch,
+    frames: &[Frame],
+) -> Result<(), Failure> {
+    let line = Line::of(contact);
+    let file = |name: &str| format!("{name}{suffix}");
     let along = |heading: &str, quantity: &str, unit: &str, values: fn(&Frame) -> &[f64]| {
         Panel::Curves(line.curves(heading, Axis::new(quantity, unit), frames, values))
     };
@@ -45,7 +76,7 @@ pub fn draw(
             |f| &f.tangential_stress,
         ),
     ];
-    sheet(format!("{name}: contact {where_}"), 520, panels).save(folder, "contact")?;
+    sheet(format!("{name}: contact {where_}"), 520, panels).save(folder, &file("contact"))?;
     let has = |port: &str| frames.first().is_some_and(|f| !f.normal(port).is_empty());
     if has("contact.pressure") {
         let mut panels = vec![along("Pressure", "pressure", "Pa", |f| {
@@ -54,25 +85,21 @@ pub fn draw(
         if has("contact.gap") {
             panels.push(along("Gap", "gap", "m", |f| f.normal("contact.gap")));
         }
-        sheet(format!("{name}: pressed {where_}"), 520, panels).save(folder, "pressure")?;
+        sheet(format!("{name}: pressed {where_}"), 520, panels).save(folder, &file("pressure"))?;
         let panels = vec![Panel::Curves(friction_curve(contact, frames))];
-        sheet(format!("{name}: friction against sliding"), 560, panels).save(folder, "friction")?;
+        sheet(format!("{name}: friction against sliding"), 560, panels)
+            .save(folder, &file("friction"))?;
     }
     sheet(
         format!("{name}: stick and slip in space and time"),
         640,
         vec![Panel::Map(line.map(frames))],
     )
-    .save(folder, "stick_slip")?;
-    sheet(
-        format!("{name}: energies"),
-        560,
-        vec![Panel::Curves(energies(frames))],
-    )
-    .save(folder, "energies")?;
+    .save(folder, &file("stick_slip"))?;
     if contact.components == 2 {
         let panels = plan_views(contact, frames);
-        sheet(format!("{name}: contact seen from above"), 460, panels).save(folder, "plan")?;
+        sheet(format!("{name}: contact seen from above"), 460, panels)
+            .save(folder, &file("plan"))?;
     }
     Ok(())
 }
@@ -99,6 +126,17 @@ fn coordinate(tangent: [f64; 3]) -> Axis {
     Axis::new(named.map_or("position along the contact", |(n, _)| n), "m")
 }
 
+/// Length along a plane contact from its first node to every node, m.
+fn lengths(contact: &ContactPatch) -> Vec<f64> {
+    let mut length = 0.0;
+    let mut all = vec![0.0];
+    for pair in contact.points.windows(2) {
+        length += (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1]);
+        all.push(length);
+    }
+    all
+}
+
 /// Values in ascending order, each once.
 fn distinct(values: impl Iterator<Item = f64>) -> Vec<f64> {
     let mut all: Vec<f64> = values.collect();
@@ -119,6 +157,16 @@ impl Line {
             .filter(|&n| (across(n) - middle).abs() < 0.25 * spacing)
             .collect();
         let along = |node: usize| dot(contact.points[node], first);
+        let is_curved = contact.tangents.iter().any(|t| dot(t[0], first) < STRAIGHT);
+        if contact.components == 1 && is_curved {
+            // the nodes of a part are in their order along it
+            return Line {
+                position: lengths(contact),
+                nodes: (0..contact.node_count()).collect(),
+                axis: Axis::new("length along the contact", "m"),
+                description: "along its length",
+            };
+        }
         nodes.sort_by(|a, b| along(*a).total_cmp(&along(*b)));
         Line {
             position: nodes.iter().map(|&n| along(n)).collect(),

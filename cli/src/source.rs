@@ -4,7 +4,9 @@ use crate::arguments::SceneChoice;
 use crate::failure::Failure;
 use crate::standard;
 use std::path::Path;
-use stickslip::{Folder, Scene};
+use std::sync::Arc;
+use stickslip::scene::ExampleFiles;
+use stickslip::{Files, Folder, Scene};
 
 /// Text of an embedded example.
 pub fn embedded(name: &str) -> Result<&'static str, Failure> {
@@ -45,12 +47,22 @@ pub fn scene(choice: &SceneChoice, more: &[(String, String)]) -> Result<Scene, F
     Scene::with_overrides(text, name, &overrides).map_err(Failure::of(name))
 }
 
-/// Where the files are that the scene names: in its folder, or where the command runs.
-pub fn files(choice: &SceneChoice) -> Folder {
+/// Where the files are that the scene names: in its folder or where the command runs, and those of embedded examples.
+pub fn files(choice: &SceneChoice) -> SceneFiles {
     let path = Path::new(&choice.scene);
-    match path.is_file() {
+    SceneFiles(match path.is_file() {
         true => Folder::of(path),
         false => Folder::default(),
+    })
+}
+
+/// The files of a folder; what is not there may be that of an embedded example.
+pub struct SceneFiles(Folder);
+
+impl Files for SceneFiles {
+    fn read(&self, name: &str) -> Result<Arc<[u8]>, String> {
+        let found = self.0.read(name);
+        found.or_else(|why| ExampleFiles.read(name).map_err(|_| why))
     }
 }
 

@@ -1,7 +1,8 @@
 //! The deformed body at every communication point, as legacy VTK files and a `.vtk.series` index.
 //!
 //! Point data in global axes: `displacement` (m), `velocity` (m/s), `tangential_stress` on the body (Pa; zero off the
-//! contact), and where the scene has them `pressure` (Pa), `gap` (m) and `status` of the contact nodes.
+//! contact), and where the scene has them `pressure` (Pa), `gap` (m) and `status` of the contact nodes; with several contacts
+//! `contact`, the number of the one that a node is on (from 1; 0 off all).
 //! Cell data: `region` (its place in the list of the mesh), `strain_rate` (1/s), and of materials whose stress is that of the instant
 //! `stress` (Pa), with the point data `normal_stress` at the contact. Nodes stand where they were before the deformation, cells are triangles, quadratic triangles or tetrahedra.
 
@@ -75,6 +76,11 @@ impl Series {
         for (name, values) in &frame.normal {
             let name = name.trim_start_matches("contact.");
             point.push(Attribute::scalars(name, 1).with_data(scalars(body, values)));
+        }
+        if body.contact.parts.len() > 1 {
+            let number = |node| body.contact.part_of(node) as f64 + 1.0;
+            let numbers: Vec<f64> = (0..body.contact.node_count()).map(number).collect();
+            point.push(Attribute::scalars("contact", 1).with_data(scalars(body, &numbers)));
         }
         let fields = CellFields::new(body, &displacement, &velocity);
         let mut cell = vec![

@@ -188,6 +188,9 @@ fn kinds(count: usize) -> String {
     vec!["dependent"; count].join(" ")
 }
 
+/// What the ports of all contacts together begin with.
+const ALL_CONTACTS: &str = "contact";
+
 /// Terminals of FMI 3: the contact patch, and one port of power per load.
 pub fn terminals(model: &Model, is_scalar: bool) -> String {
     let variables = Variables::new(model);
@@ -230,13 +233,18 @@ pub fn terminals(model: &Model, is_scalar: bool) -> String {
             xml.close();
         };
     let text = "The contact patch, node by node.";
-    write(
-        "contact",
-        "stickslip.contact_patch",
-        text,
-        &names("contact."),
-        "contact.".len(),
-    );
+    let parts = model.contact().parts.iter().map(|part| part.name.as_str());
+    let own = parts.filter(|name| *name != ALL_CONTACTS);
+    for contact in [ALL_CONTACTS].into_iter().chain(own) {
+        let prefix = format!("{contact}.");
+        write(
+            contact,
+            "stickslip.contact_patch",
+            text,
+            &names(&prefix),
+            prefix.len(),
+        );
+    }
     for load in variables.all().iter().filter(|v| v.role == Role::Input) {
         let mut members = vec![load.name.clone()];
         members.extend(names(&format!("{}.", load.name)));

@@ -99,9 +99,11 @@ fn legend(model: &Model) -> String {
             "<span><i style=\"background:{colour}\"></i>{words}</span>"
         );
     };
+    let contacts = scene.contacts();
+    let parts: Vec<&str> = contacts.iter().map(|c| c.part.as_str()).collect();
     let contact = format!(
         "contact: {}, first and last node numbered",
-        scene.contact.part
+        parts.join(", ")
     );
     entry(picture::CONTACT, &contact);
     if !scene.clamped.is_empty() {
@@ -116,7 +118,7 @@ fn legend(model: &Model) -> String {
         );
         entry(picture::DRIVEN, &words);
     }
-    if !scene.contact.foundation.is_empty() {
+    if contacts.iter().any(|c| !c.foundation.is_empty()) {
         let words = "motions of the foundation, the arrow along a positive value";
         entry(picture::FOUNDATION, words);
     }
@@ -176,9 +178,16 @@ fn scene_table(model: &Model) -> String {
         ("Clamped", "/clamped"),
         ("Contact", "/contact"),
     ] {
-        row(name, scene.pointer(path).unwrap_or(&Value::Null));
+        match scene.pointer(path) {
+            None if name == "Contact" => {}
+            value => row(name, value.unwrap_or(&Value::Null)),
+        }
     }
-    for (kind, list) in [("Load", "loads"), ("Probe", "probes")] {
+    for (kind, list) in [
+        ("Contact", "contacts"),
+        ("Load", "loads"),
+        ("Probe", "probes"),
+    ] {
         for item in scene[list].as_array().into_iter().flatten() {
             let mut item = item.clone();
             let name = item["name"].as_str().unwrap_or_default().to_owned();

@@ -7,7 +7,7 @@
 use crate::parameters::{Kind, Parameters, choices};
 use std::ops::Range;
 use stickslip::Model;
-use stickslip::ports::{self, Causality, Quantity};
+use stickslip::ports::{self, Causality, Port, Quantity};
 
 /// First value reference of array variables.
 pub const ARRAY_BASE: u32 = 1 << 24;
@@ -236,11 +236,11 @@ impl Variables {
     /// Finds the variables that are derivatives of others by time.
     fn find_slopes(&mut self, model: &Model) {
         let ports = model.ports().all();
-        let variable_of = |quantity: Quantity| {
-            let port = ports.iter().find(|p| p.quantity == quantity);
-            port.map(|p| p.reference as usize + 1)
-        };
         for port in ports {
+            let variable_of = |quantity: Quantity| {
+                let is_it = |p: &&Port| p.quantity == quantity && p.contact == port.contact;
+                ports.iter().find(is_it).map(|p| p.reference as usize + 1)
+            };
             let slope = match port.quantity.slope() {
                 ports::Slope::Is(other) => variable_of(other).map(Slope::Variable),
                 ports::Slope::NormOf(other) => variable_of(other).map(Slope::NormOf),

@@ -44,8 +44,9 @@ pub enum ElementKind {
     /// Linear simplex, in 2D and 3D.
     #[default]
     P1,
-    /// Quadratic triangle, in 2D, with straight sides unless a mesh file bends them: about four times the unknowns of `p1` on the same cells, and
-    /// errors of the next order wherever the solution is smooth. Vertices and midside nodes are contact nodes.
+    /// Quadratic simplex, in 2D and 3D, with straight sides unless a mesh file bends them: about four (eight) times the unknowns of `p1` on
+    /// the same cells, and errors of the next order wherever the solution is smooth. In 2D vertices and midside nodes are contact nodes,
+    /// in 3D the midside nodes.
     P2,
 }
 
@@ -134,8 +135,9 @@ pub enum OnContact {
         /// Linear interpolation between the neighbouring nodes of the face: how stresses go.
         between: fn(usize, &[f64]) -> f64,
     },
-    /// No contact: what a scene may have instead, and why.
-    Refused(&'static str),
+    /// Friction and pressure act at the midside nodes of a face alone, each with the share of the midpoint rule: the integral of the
+    /// shape function of a vertex vanishes.
+    Midsides,
 }
 
 impl PartialEq for Element {
@@ -176,15 +178,9 @@ impl Element {
         self.order as u64 * u64::from(cells) + 1
     }
 
-    /// What is found and what is allowed, for an element that is refused on contact parts; `None` for the others.
-    pub fn contact_fault(&self) -> Option<(String, String)> {
-        match self.contact {
-            OnContact::Nodes { .. } => None,
-            OnContact::Refused(allowed) => {
-                let found = format!("{:?} in {} dimensions", self.kind.name(), self.dimension);
-                Some((found, allowed.to_owned()))
-            }
-        }
+    /// Whether friction acts at every node of a face.
+    pub fn has_contact_at_all_nodes(&self) -> bool {
+        matches!(self.contact, OnContact::Nodes { .. })
     }
 }
 
@@ -201,11 +197,11 @@ pub fn linear(dimension: usize) -> &'static Element {
     ELEMENTS.iter().find(is_linear).unwrap_or(&ELEMENTS[0])
 }
 
-/// The elements that may have contact in this dimension, in the order of the list.
+/// The elements whose contact fields are those of all nodes of a face, in the order of the list: what studies choose from.
 pub fn with_contact(dimension: usize) -> impl Iterator<Item = &'static Element> {
     ELEMENTS
         .iter()
-        .filter(move |e| e.dimension == dimension && e.contact_fault().is_none())
+        .filter(move |e| e.dimension == dimension && e.has_contact_at_all_nodes())
 }
 
 /// Shape function `l_node`.

@@ -1,7 +1,8 @@
 //! The quadratic tetrahedron.
 //!
-//! The integral of a vertex function over a face vanishes, and over the cell it is negative. As contact weights these integrals
-//! let no friction act at the vertices, hence the refusal below. For tractions and body forces they are the consistent loads.
+//! The integral of a vertex function over a face vanishes, and over the cell it is negative. For tractions and body forces these
+//! integrals are the consistent loads, and as contact weights they let friction act at the midside nodes alone: other weights
+//! (equal ones, or those of a lumped mass) are not in equilibrium with a constant traction, and the stress does not converge.
 
 use super::{
     Barycentric, Element, ElementKind, OnContact, Share, quadratic_shape, quadratic_slopes, rules,
@@ -52,10 +53,7 @@ pub(super) const TABLE: Element = Element {
     row_entries: 45,
     vtk: 24,
     pieces: &[],
-    contact: OnContact::Refused(
-        "\"p1\", with mesh.grading for accuracy: the lumped contact weights of a quadratic triangle vanish at its vertices, so \
-         that friction would not act there",
-    ),
+    contact: OnContact::Midsides,
 };
 
 fn shape(node: usize, at: &Barycentric) -> f64 {

@@ -5,7 +5,7 @@
 //! pivot that is not positive.
 
 use super::cell::Cell;
-use super::contact::ContactPatch;
+use super::contact::{ContactPart, ContactPatch};
 use super::dofs::DofMap;
 use super::driven::Drives;
 use super::forms::Forms;
@@ -18,7 +18,6 @@ use super::pieces::refuse_loose_pieces;
 use super::strain::StrainNorm;
 use crate::error::{Error, Result};
 use crate::mesh::Mesh;
-use crate::refusal::scene_error;
 use crate::scene::Scene;
 
 /// The discrete body of a scene.
@@ -63,15 +62,12 @@ impl Body {
     /// Assembles the body on a given mesh, which gets the element of the scene; the mesh of the scene is not looked at.
     ///
     /// # Errors
-    /// Those of [`Mesh::for_element`]; [`Error::Scene`] for a part the mesh does not have, a contact part that is clamped or whose
-    /// element has no friction, a region without a material, a direction without length, a tangent normal to the contact, a
-    /// probe outside the body or an initial displacement that does not fit what holds it; [`Error::Body`] for a cell without positive volume.
+    /// Those of [`Mesh::for_element`]; [`Error::Scene`] for a part the mesh does not have, a contact part that is clamped, a region
+    /// without a material, a direction without length, a tangent normal to the contact, a probe outside the body or an initial
+    /// displacement that does not fit what holds it; [`Error::Body`] for a cell without positive volume.
     pub fn assemble_on(scene: &Scene, mesh: Mesh) -> Result<Body> {
         let kind = scene.element.unwrap_or(mesh.element.kind);
         let mesh = mesh.for_element(kind)?;
-        if let Some((found, allowed)) = mesh.element.contact_fault() {
-            return Err(scene_error("element", found, allowed));
-        }
         for (index, cell) in mesh.cells().enumerate() {
             let shape = Cell::new(&mesh, cell);
             let volume = shape.volume();
@@ -184,6 +180,17 @@ fn interior_places(mesh: &Mesh, dofs: &DofMap) -> Vec<[f64; 3]> {
 fn contact_patch(scene: &Scene, mesh: &Mesh, dofs: &DofMap) -> Result<ContactPatch> {
     let nodes = dofs.contact_nodes().to_vec();
     let components = mesh.dimension - 1;
+    let mut faces = 0;
+    let mut parts = Vec::new();
+    for (contact, nodes) in scene.contacts().iter().zip(dofs.contact_ranges()) {
+        let path = format!("{}.part", contact.path);
+        faces += mesh.faces(&contact.part, &path)?.count();
+        parts.push(ContactPart {
+            name: contact.name.clone(),
+            nodes: nodes.clone(),
+            can_open: !contact.condition.is_default(),
+        });
+    }
     let tangents = |&node: &u32| {
         let frame = dofs.frame(node);
         // In 2D the second direction of the frame is the normal.
@@ -204,9 +211,10 @@ fn contact_patch(scene: &Scene, mesh: &Mesh, dofs: &DofMap) -> Result<ContactPat
         weights: dofs.contact_weights().to_vec(),
         tangents: nodes.iter().map(tangents).collect(),
         components,
-        faces: mesh.faces(&scene.contact.part, "contact.part")?.count(),
+        faces,
+        parts,
         nodes,
     };
-    patch.gaps = foundation::initial_gap(scene, mesh, &patch)?;
+    patch.gaps = foundation::initial_gaps(scene, mesh, &patch)?;
     Ok(patch)
 }

@@ -1,5 +1,18 @@
 //! The contact nodes of a body.
 
+use std::ops::Range;
+
+/// One contact of a scene among the contact nodes of a body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContactPart {
+    /// Name of the contact.
+    pub name: String,
+    /// Its nodes.
+    pub nodes: Range<usize>,
+    /// Whether it can open or give way.
+    pub can_open: bool,
+}
+
 /// The contact nodes, in the order of their components (the last `nodes.len() * components` free components).
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContactPatch {
@@ -18,10 +31,12 @@ pub struct ContactPatch {
     pub has_normal: bool,
     /// Unit normals from the foundation into the body.
     pub normals: Vec<[f64; 3]>,
-    /// Gap of the undeformed body, m, >= 0 unless the foundation gives way; empty where contact is bilateral.
+    /// Gap of the undeformed body, m, >= 0 unless the foundation gives way, 0 in a contact that is bilateral; empty where all are.
     pub gaps: Vec<f64>,
-    /// Number of faces of the contact part.
+    /// Number of faces of the contact parts.
     pub faces: usize,
+    /// The contacts of the scene, in its order: their nodes follow each other.
+    pub parts: Vec<ContactPart>,
 }
 
 impl ContactPatch {
@@ -43,6 +58,41 @@ impl ContactPatch {
     /// Number of components of forces and velocities.
     pub fn force_len(&self) -> usize {
         self.nodes.len() * self.stride()
+    }
+
+    /// One contact of the scene alone.
+    pub fn of_part(&self, part: usize) -> ContactPatch {
+        let own = self.parts[part].nodes.clone();
+        let mut gaps = Vec::new();
+        if self.parts[part].can_open {
+            gaps.extend_from_slice(&self.gaps[own.clone()]);
+        }
+        ContactPatch {
+            nodes: self.nodes[own.clone()].to_vec(),
+            points: self.points[own.clone()].to_vec(),
+            weights: self.weights[own.clone()].to_vec(),
+            tangents: self.tangents[own.clone()].to_vec(),
+            normals: self.normals[own.clone()].to_vec(),
+            gaps,
+            components: self.components,
+            has_normal: self.has_normal,
+            faces: self.faces,
+            parts: vec![ContactPart {
+                nodes: 0..own.len(),
+                ..self.parts[part].clone()
+            }],
+        }
+    }
+
+    /// The contact of a node, by its place in the scene.
+    pub fn part_of(&self, node: usize) -> usize {
+        let later = self.parts.iter().rposition(|part| node >= part.nodes.start);
+        later.unwrap_or(0)
+    }
+
+    /// Whether contact can open or give way at a node.
+    pub fn can_open_at(&self, node: usize) -> bool {
+        !self.gaps.is_empty() && self.parts[self.part_of(node)].can_open
     }
 
     /// Whether nothing is in contact; never so for an assembled body.

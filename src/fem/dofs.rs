@@ -3,28 +3,23 @@
 //! * Clamped nodes have none, nor have those of a part that is driven as a whole; such a node on the contact part is not a contact
 //!   node.
 //! * Nodes of a part that is driven along some directions have components along the others.
-//! * A contact node keeps its tangential components, in the frame `(t1, t2, n)` (3D) or `(t1, n)` (2D): bilateral
-//!   contact sets the normal one to zero. n is the unit outward normal, the mean of the adjacent contact faces weighted by
-//!   their areas (where faces are bent, by their integrals with the shape function of the node); t1 is the projection of
-//!   `contact.tangent` or else of the x axis (of the y axis where n is parallel to x); t2 = n x t1, so that (t1, t2, n) is right-handed: on a bottom (n = -y) t1 = x and t2 = z.
+//! * A contact node keeps its tangential components, in the frame `(t1, t2, n)` (3D) or `(t1, n)` (2D) of its part (`surface`):
+//!   bilateral contact sets the normal one to zero. So it does at the nodes of the part that have no friction.
 //! * Where the scene needs the normal motion ([`Scene::is_pressed`]) a contact node keeps a component along -n too, from the
 //!   foundation into the body: forces that press are positive, and so is what opens the gap.
 //! * Every other node has `dimension` components along the global axes.
 //! * A node that follows another one (periodicity) has the numbers of its leader, and all conditions are put on the leader.
 //!
-//! The contact components come last, contact node by contact node, ordered along t1 and then t2: the trailing block of a
+//! The contact components come last, contact by contact, node by node, ordered along t1 and then t2: the trailing block of a
 //! Cholesky factor is then the operator condensed onto the contact.
 
-use super::cell::point;
-use super::direction::direction;
-use super::face::{face_integrals, face_normals};
 use super::held::{Held, held_nodes};
-use crate::error::{Error, Result};
-use crate::mesh::{Mesh, bent_face};
+use super::surface::ContactSurface;
+use crate::error::Result;
+use crate::mesh::Mesh;
 use crate::message::cut;
 use crate::refusal::scene_error;
-use crate::scene::Scene;
-use nalgebra::Vector3;
+use crate::scene::{PlacedContact, Scene};
 use std::ops::Range;
 
 /// Mark of a node without numbers or without a frame.
@@ -32,9 +27,6 @@ const NONE: u32 = u32::MAX;
 
 /// The global axes: the frame of every node that is not in contact.
 const GLOBAL: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-
-/// Length of the projection of a unit direction below which it counts as normal to the contact.
-const PARALLEL: f64 = 1e-3;
 
 /// Which free unknowns belong to each node.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,11 +40,15 @@ pub struct DofMap {
     contact: Vec<u32>,
     /// Per contact node: node number (a leader).
     contact_nodes: Vec<u32>,
+    /// Contact nodes of every contact of the scene.
+    contact_ranges: Vec<Range<usize>>,
+    /// Those of the nodes that are free along some directions which their contact alone holds, ascending.
+    guided: Vec<u32>,
     /// Per contact node: free directions first, then the normal; unused ones are zero.
     frames: Vec<[[f64; 3]; 3]>,
     /// Free components of a contact node.
     contact_components: usize,
-    /// Nodes that are free along some directions only, ascending, with their number and frame.
+    /// Nodes that are free along some directions only (driven, or guided by a contact), ascending, with their number and frame.
     partly_free: Vec<(u32, usize, [[f64; 3]; 3])>,
     /// Per contact node: integral of its shape function over the contact part, m or m^2.
     weights: Vec<f64>,
@@ -62,8 +58,9 @@ impl DofMap {
     /// Numbers the components of a mesh under the conditions of a scene.
     ///
     /// # Errors
-    /// [`Error::Scene`] for a part the mesh does not have, a tangent that is normal to the contact, or clamped parts that leave no
-    /// contact node; [`Error::Body`] when a contact normal is undefined.
+    /// [`crate::Error::Scene`] for a part the mesh does not have, a node on two contacts, a contact part that bends by a large angle
+    /// at a node, a tangent that is normal to the contact, or clamped parts that leave no contact node; [`crate::Error::Body`] when a
+    /// contact normal is undefined.
     pub fn new(scene: &Scene, mesh: &Mesh) -> Result<DofMap> {
         let count = mesh.nodes.len();
         let leader = |node: u32| mesh.leader[node as usize] as usize;
@@ -86,29 +83,29 @@ impl DofMap {
             }
         }
 
-        let mut normal_sums = vec![Vector3::zeros(); count];
-        let mut masses = vec![0.0; count];
-        let mut is_contact = vec![false; count];
-        let faces = mesh.faces(&scene.contact.part, "contact.part")?;
-        let is_bent = faces.clone().any(|face| bent_face(mesh, face).is_some());
-        for face in faces {
-            let normals = face_normals(mesh, face, is_bent);
-            for ((node, mass), (_, normal)) in face_integrals(mesh, face).zip(normals) {
-                normal_sums[leader(node)] += normal;
-                masses[leader(node)] += mass;
-                is_contact[leader(node)] = true;
+        let contacts = scene.contacts();
+        refuse_shared_nodes(&contacts, mesh, &is_held)?;
+        let (mut framed, mut weights, mut ranges) = (Vec::new(), Vec::new(), Vec::new());
+        let mut guided = Vec::new();
+        for contact in &contacts {
+            let surface = ContactSurface::new(contact, mesh, |node| is_held[node as usize])?;
+            if surface.nodes.is_empty() {
+                let allowed = format!(
+                    "parts that leave nodes of {}.part free (or more cells between them)",
+                    contact.path
+                );
+                let found = cut(&format!("{:?}", scene.clamped));
+                return Err(scene_error("clamped", found, allowed));
             }
+            let first = framed.len();
+            framed.extend(surface.nodes);
+            weights.extend(surface.weights);
+            guided.extend(surface.guided);
+            ranges.push(first..framed.len());
         }
-        let nodes: Vec<u32> = (0..count as u32)
-            .filter(|&n| is_contact[n as usize] && !is_held[n as usize])
-            .collect();
-        if nodes.is_empty() {
-            let allowed =
-                "parts that leave nodes of contact.part free (or more cells between them)";
-            let found = cut(&format!("{:?}", scene.clamped));
-            return Err(scene_error("clamped", found, allowed.to_owned()));
-        }
-        if let Some((node, ..)) = partly_free.iter().find(|n| is_contact[n.0 as usize]) {
+        let is_partly_free = |node: u32| partly_free.iter().any(|partly| partly.0 == node);
+        let mut of_contact = framed.iter().chain(&guided);
+        if let Some((node, _)) = of_contact.find(|(node, _)| is_partly_free(*node)) {
             let at = mesh.nodes[*node as usize];
             let found = format!(
                 "a part with the contact node at {at:?} that is free along some directions"
@@ -116,32 +113,34 @@ impl DofMap {
             let allowed = "parts without contact nodes, or driven along all directions";
             return Err(scene_error("driven", found, allowed.to_owned()));
         }
-        let mut framed = Vec::with_capacity(nodes.len());
-        for node in nodes {
-            let frame = frame(scene, mesh, node, normal_sums[node as usize])?;
-            framed.push((node, frame));
-        }
-        order_along_contact(mesh, &mut framed);
         let normal = mesh.dimension - 1;
         if scene.is_pressed() {
             for (_, frame) in &mut framed {
                 frame[normal] = frame[normal].map(|n| 0.0 - n);
             }
+            guided.clear();
         }
-
-        let weights = framed
-            .iter()
-            .map(|(node, _)| masses[*node as usize])
-            .collect();
+        guided.sort_by_key(|(node, _)| *node);
+        let along = guided.iter().map(|(node, frame)| (*node, normal, *frame));
+        partly_free.extend(along);
+        partly_free.sort_by_key(|(node, ..)| *node);
+        let is_guided = |node: u32| guided.binary_search_by_key(&node, |(n, _)| *n).is_ok();
         let contact_components = normal + usize::from(scene.is_pressed());
-        Ok(DofMap::number(
+        let map = DofMap::number(
             mesh,
             &is_held,
             partly_free,
             &framed,
             contact_components,
             weights,
-        ))
+        );
+        Ok(DofMap {
+            contact_ranges: ranges,
+            guided: (0..count as u32)
+                .filter(|node| is_guided(mesh.leader[*node as usize]))
+                .collect(),
+            ..map
+        })
     }
 
     /// Numbers the components of the nodes that are not held; those of the contact nodes with their frames come last.
@@ -161,6 +160,8 @@ impl DofMap {
             first: vec![NONE; count],
             contact: vec![NONE; count],
             contact_nodes: framed.iter().map(|(node, _)| *node).collect(),
+            contact_ranges: Vec::new(),
+            guided: Vec::new(),
             frames: framed.iter().map(|(_, frame)| *frame).collect(),
             contact_components,
             partly_free,
@@ -183,10 +184,18 @@ impl DofMap {
             next += contact_components as u32;
         }
         map.len = next as usize;
+        let mut following = Vec::new();
         for node in 0..count {
-            map.first[node] = map.first[mesh.leader[node] as usize];
-            map.contact[node] = map.contact[mesh.leader[node] as usize];
+            let leader = mesh.leader[node];
+            map.first[node] = map.first[leader as usize];
+            map.contact[node] = map.contact[leader as usize];
+            if leader as usize != node {
+                let partly = map.partly(leader);
+                following.extend(partly.map(|(_, free, frame)| (node as u32, *free, *frame)));
+            }
         }
+        map.partly_free.append(&mut following);
+        map.partly_free.sort_by_key(|(node, ..)| *node);
         map
     }
 
@@ -240,7 +249,8 @@ impl DofMap {
 
     /// Whether a node is clamped or driven, along some directions at least.
     pub(super) fn is_held(&self, node: u32) -> bool {
-        self.range(node).is_empty() || self.partly(node).is_some()
+        let is_guided = || self.guided.binary_search(&node).is_ok();
+        self.range(node).is_empty() || (self.partly(node).is_some() && !is_guided())
     }
 
     /// Whether the frame of a node is not that of the global axes.
@@ -264,6 +274,11 @@ impl DofMap {
         &self.contact_nodes
     }
 
+    /// Contact nodes of every contact of the scene, in its order.
+    pub fn contact_ranges(&self) -> &[Range<usize>] {
+        &self.contact_ranges
+    }
+
     /// Integral of the shape function of each contact node over the contact part (m in 2D, m^2 in 3D).
     pub fn contact_weights(&self) -> &[f64] {
         &self.weights
@@ -281,84 +296,27 @@ impl DofMap {
     }
 }
 
-/// The frame of a contact node from the sum of its area vectors.
-fn frame(scene: &Scene, mesh: &Mesh, node: u32, sum: Vector3<f64>) -> Result<[[f64; 3]; 3]> {
-    let at = || mesh.nodes[node as usize];
-    let length = sum.norm();
-    if !(length.is_finite() && length > 0.0) {
-        return Err(Error::Body {
-            what: format!(
-                "the contact part \"{}\" has no normal at {:?}",
-                scene.contact.part,
-                at()
-            ),
-        });
-    }
-    let n = sum / length;
-    let project = |direction: Vector3<f64>| {
-        let along = direction - n * n.dot(&direction);
-        let length = along.norm();
-        (length > PARALLEL).then(|| along / length)
-    };
-    let t1 = match &scene.contact.tangent {
-        Some(values) => {
-            let given = direction(values, "contact.tangent")?;
-            project(given).ok_or_else(|| {
-                scene_error(
-                    "contact.tangent",
-                    format!("{values:?}"),
-                    format!(
-                        "a direction that is not normal to the contact (as it is at {:?})",
-                        at()
-                    ),
-                )
-            })?
-        }
-        // Two axes cannot both be parallel to n, so that the second one always has a projection.
-        None => project(Vector3::x())
-            .or_else(|| project(Vector3::y()))
-            .unwrap_or_else(Vector3::y),
-    };
-    Ok(if mesh.dimension == 2 {
-        [t1.into(), n.into(), [0.0; 3]]
-    } else {
-        [t1.into(), n.cross(&t1).into(), n.into()]
-    })
-}
-
-/// Orders the contact nodes by the coordinate along t1, those level with each other by the coordinate along t2.
-///
-/// The directions are those of the middle of the patch: on a curved contact the frames of the nodes differ.
-fn order_along_contact(mesh: &Mesh, framed: &mut [(u32, [[f64; 3]; 3])]) {
-    let mean = |axis: usize| -> Vector3<f64> {
-        framed
-            .iter()
-            .map(|(_, frame)| Vector3::from(frame[axis]))
-            .sum()
-    };
-    let t1 = mean(0);
-    // In 2D this is the mean normal, which separates nodes of a closed contact with equal coordinate along t1.
-    let t2 = mean(1);
-    let along = |node: u32, axis: &Vector3<f64>| axis.dot(&point(mesh, node));
-    let by = |axis: &Vector3<f64>, a: u32, b: u32| {
-        along(a, axis)
-            .total_cmp(&along(b, axis))
-            .then_with(|| a.cmp(&b))
-    };
-    framed.sort_by(|(a, _), (b, _)| by(&t1, *a, *b));
-    let extent = match (framed.first(), framed.last()) {
-        (Some((a, _)), Some((b, _))) => along(*b, &t1) - along(*a, &t1),
-        _ => 0.0,
-    };
-    // Rows are level when rounding alone separates them: a gap above the tolerance starts the next row.
-    let tolerance = 1e-9 * extent;
-    let mut start = 0;
-    for end in 1..=framed.len() {
-        let is_new_row = end == framed.len()
-            || along(framed[end].0, &t1) - along(framed[end - 1].0, &t1) > tolerance;
-        if is_new_row {
-            framed[start..end].sort_by(|(a, _), (b, _)| by(&t2, *a, *b));
-            start = end;
+/// A node on two contact parts would have two normals.
+fn refuse_shared_nodes(contacts: &[PlacedContact], mesh: &Mesh, is_held: &[bool]) -> Result<()> {
+    let mut owners = vec![NONE; mesh.nodes.len()];
+    for (index, contact) in contacts.iter().enumerate() {
+        let path = format!("{}.part", contact.path);
+        for node in mesh.faces(&contact.part, &path)?.flatten() {
+            let node = mesh.leader[*node as usize] as usize;
+            let owner = std::mem::replace(&mut owners[node], index as u32);
+            if is_held[node] || owner == NONE || owner == index as u32 {
+                continue;
+            }
+            let found = format!(
+                "{:?}, which shares the node at {:?} with {}.part",
+                cut(&contact.part),
+                &mesh.nodes[node][..mesh.dimension],
+                contacts[owner as usize].path
+            );
+            let allowed =
+                "a part of which no free node is on another contact: it would have two normals";
+            return Err(scene_error(&path, found, allowed.to_owned()));
         }
     }
+    Ok(())
 }

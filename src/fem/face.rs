@@ -63,3 +63,26 @@ pub(super) fn face_normals(
     }
     face.iter().copied().zip(normals)
 }
+
+/// Outward normal of a face at one of its nodes, of any length.
+pub(super) fn face_normal_at(mesh: &Mesh, face: &[u32], node: usize) -> Vector3<f64> {
+    let (element, d) = (mesh.element, mesh.dimension);
+    let mut at = [0.0; 4];
+    match node.checked_sub(d) {
+        None => at[node] = 1.0,
+        Some(midside) => element.face_midsides[midside]
+            .iter()
+            .for_each(|i| at[*i] = 0.5),
+    }
+    let mut along = [Vector3::zeros(); 2];
+    for (i, &of) in face.iter().enumerate() {
+        let slopes = element.face_slopes(i, &at);
+        for (j, along) in along.iter_mut().take(d - 1).enumerate() {
+            *along += point(mesh, of) * (slopes[j + 1] - slopes[0]);
+        }
+    }
+    match d {
+        2 => along[0].cross(&Vector3::z()),
+        _ => along[0].cross(&along[1]),
+    }
+}

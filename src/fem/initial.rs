@@ -142,9 +142,10 @@ fn check_contact(
     if !contact.has_normal {
         return Ok(());
     }
+    let contacts = scene.contacts();
     for (node, own) in on_contact.chunks(contact.stride()).enumerate() {
         let normal = own[contact.components];
-        let (is_wrong, what) = match scene.contact.condition {
+        let (is_wrong, what) = match contacts[contact.part_of(node)].condition {
             Condition::Bilateral => (
                 normal.abs() > allowed,
                 "a displacement along the foundation",

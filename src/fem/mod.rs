@@ -23,10 +23,11 @@ mod pieces;
 #[cfg(test)]
 mod solids;
 mod strain;
+mod surface;
 
 pub use body::Body;
 pub use cell::{Cell, Simplex};
-pub use contact::ContactPatch;
+pub use contact::{ContactPart, ContactPatch};
 pub use dofs::DofMap;
 pub use driven::Drives;
 pub use forms::Forms;

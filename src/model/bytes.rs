@@ -16,7 +16,7 @@ use crate::body::full::Full;
 use crate::body::reduced::Reduced;
 use crate::bytes::{Frame, LARGEST, Reader, Writer};
 use crate::error::{Error, Result};
-use crate::fem::ContactPatch;
+use crate::fem::{ContactPart, ContactPatch};
 use crate::files::MemoryFiles;
 use crate::scene::{ModelKind, Scene};
 use std::sync::Arc;
@@ -157,7 +157,7 @@ fn read_parts(from: &mut Reader, scene: &Scene) -> Result<Parts> {
         }
     };
     let [c0_squared, l_g, m_a, l_b, sharp_instant, sharp_step] = array(from)?;
-    let coulomb = match scene.contact.friction.is_coulomb() {
+    let coulomb = match scene.each_contact().any(|c| c.friction.is_coulomb()) {
         false => None,
         true => Some(CoulombConstants {
             coefficient: match from.float()? {
@@ -283,13 +283,18 @@ fn write_contact(contact: &ContactPatch, out: &mut Writer) {
     out.floats(contact.normals.as_flattened());
     out.floats(&contact.gaps);
     out.word(contact.faces as u64);
+    // the only contact has all nodes
+    if contact.parts.len() > 1 {
+        let ends: Vec<usize> = contact.parts.iter().map(|part| part.nodes.end).collect();
+        out.indices(&ends);
+    }
 }
 
 fn read_contact(from: &mut Reader, scene: &Scene, components: usize) -> Result<ContactPatch> {
     let nodes = from.indices(u32::MAX as usize)?;
     let (points, weights, tangents) = (from.finite()?, from.finite()?, from.finite()?);
     let (normals, gaps) = (from.finite()?, from.finite()?);
-    let can_open = scene.contact.condition.gap().is_some();
+    let can_open = scene.can_open();
     let faces = from.size()?;
     let count = nodes.len();
     let is_consistent = points.len() == 3 * count
@@ -303,8 +308,29 @@ fn read_contact(from: &mut Reader, scene: &Scene, components: usize) -> Result<C
     if !is_consistent {
         return Err(Reader::refusal("compiled model: arrays of the contact"));
     }
+    let ends = match scene.each_contact().count() {
+        1 => vec![count],
+        _ => from.indices(count + 1)?,
+    };
+    let starts = [0].into_iter().chain(ends.iter().copied());
+    let parts: Vec<ContactPart> = scene
+        .each_contact()
+        .zip(starts.zip(&ends))
+        .map(|(contact, (start, end))| ContactPart {
+            name: contact.name.clone(),
+            nodes: start..*end,
+            can_open: contact.condition.gap().is_some(),
+        })
+        .collect();
+    let is_divided = ends.len() == scene.each_contact().count()
+        && ends.last() == Some(&count)
+        && parts.iter().all(|part| !part.nodes.is_empty());
+    if !is_divided {
+        return Err(Reader::refusal("compiled model: nodes of the contacts"));
+    }
     let vector = |v: &[f64]| [v[0], v[1], v[2]];
     Ok(ContactPatch {
+        parts,
         nodes: nodes.into_iter().map(|n| n as u32).collect(),
         points: points.chunks_exact(3).map(vector).collect(),
         weights,

@@ -25,6 +25,7 @@
 //! how far the normal forces follow the tangential ones: `|Omega^-1/2 S_nt S_tt^-1/2| / sqrt(m)` in bilateral contact, `sqrt(M / m)`
 //! with `M = lambda_max(Omega^-1/2 S_nn Omega^-1/2)` otherwise. It proves, and is far from sharp on fine meshes.
 
+use crate::contact::law::ContactLaw;
 use crate::error::{Error, Result};
 use crate::fem::{Body, StrainNorm};
 use crate::linalg::{SparseCholesky, mirror_lower, symmetric_eigenvalues};
@@ -94,7 +95,7 @@ impl Certificate {
         match self.coulomb {
             None => f64::INFINITY,
             Some(coulomb) => {
-                let left = (1.0 - coulomb.strength()).max(0.0);
+                let left = (1.0 - coulomb.strength() - self.l_g / self.sharp_step).max(0.0);
                 match coulomb.weakening {
                     0.0 if left > 0.0 => f64::INFINITY,
                     0.0 => 0.0,
@@ -110,7 +111,7 @@ impl Certificate {
     pub fn margin(&self) -> f64 {
         if let Some(coulomb) = self.coulomb {
             return if self.largest_pressure() == f64::INFINITY {
-                1.0 / coulomb.strength() - 1.0
+                1.0 / (coulomb.strength() + self.l_g / self.sharp_step) - 1.0
             } else {
                 -1.0
             };
@@ -126,10 +127,33 @@ impl Certificate {
 /// What a law says to the certificate.
 #[derive(Debug, Clone, Copy)]
 pub struct LawConstants {
-    /// Largest rate at which the bound of any node decreases with the slip rate, or the coefficient of friction.
+    /// Largest rate at which a bound in Pa decreases with the slip rate.
     pub weakening: f64,
-    /// Largest coefficient of friction, for Coulomb's law.
-    pub coefficient: Option<f64>,
+    /// The same of a coefficient of friction, and the largest coefficient, where a law is Coulomb's.
+    pub coulomb: Option<[f64; 2]>,
+}
+
+impl LawConstants {
+    /// Those of all laws of a contact, in stages where the accumulated slip grows by `per_rate` times the slip rate.
+    pub fn of(laws: &ContactLaw, per_rate: f64) -> LawConstants {
+        let mut all = LawConstants {
+            weakening: 0.0,
+            coulomb: None,
+        };
+        for part in laws.parts() {
+            let bounds = part.law.bounds();
+            let weakening = bounds.weakening(part.law.kernel().largest_per_rate(per_rate));
+            if !part.law.is_coulomb() {
+                all.weakening = all.weakening.max(weakening);
+                continue;
+            }
+            let nodes = 0..part.nodes.len();
+            let largest = nodes.map(|node| bounds.extremes(node)[0]);
+            let [falls, most] = all.coulomb.unwrap_or([0.0; 2]);
+            all.coulomb = Some([falls.max(weakening), largest.fold(most, f64::max)]);
+        }
+        all
+    }
 }
 
 /// The certificate for a law and the implicit weight `theta_k` (s) of the largest step; `constants(x, y)` are those of the
@@ -152,11 +176,7 @@ pub fn certify(
     let step = constants(1.0, theta_k)?;
     Ok(Certificate {
         c0_squared: 1.0 / of_strains.sharp,
-        l_g: if law.coefficient.is_some() {
-            0.0
-        } else {
-            law.weakening
-        },
+        l_g: law.weakening,
         m_a,
         l_b,
         sharp_instant: match body.forms.have_dashpots() {
@@ -164,11 +184,13 @@ pub fn certify(
             false => 0.0,
         },
         sharp_step: step.sharp,
-        coulomb: law.coefficient.map(|coefficient| CoulombConstants {
-            coefficient,
-            weakening: law.weakening,
-            coupling: step.coupling,
-        }),
+        coulomb: law
+            .coulomb
+            .map(|[weakening, coefficient]| CoulombConstants {
+                coefficient,
+                weakening,
+                coupling: step.coupling,
+            }),
     })
 }
 

@@ -26,7 +26,7 @@ use crate::progress::{Phase, Watch};
 use crate::scene::{ModelKind, Scene};
 use crate::state::State;
 use crate::time::scheme::Tableau;
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 use std::sync::Arc;
 
 /// Smallest internal step, in largest ones, that the reduction of a body without dashpot is judged for.
@@ -103,7 +103,7 @@ impl Compilation {
         scene.validate_in(mesh.dimension)?;
         let body = Body::assemble_on(&scene, mesh)?;
         // before the work of an hour: whether coefficients fit the contact nodes
-        scene.friction_on(&body.contact.points)?;
+        scene.friction_on(&body.contact.points, ranges(&body))?;
         watch.report(Phase::Assembly, 0.1)?;
         let operators = &body.operators;
         let cholesky = SparseCholesky::new(
@@ -255,19 +255,10 @@ fn finish(
     kept: &Kept,
     selection: Option<Selection>,
 ) -> Result<Model> {
-    let friction = scene.friction_on(&body.contact.points)?;
+    let friction = scene.friction_on(&body.contact.points, ranges(body))?;
     let tableau = Tableau::of(scene.scheme());
     let theta_k = tableau.theta() * scene.time.step;
-    let law = LawConstants {
-        weakening: friction
-            .bounds()
-            .weakening(friction.kernel().largest_per_rate(theta_k)),
-        coefficient: scene.contact.friction.is_coulomb().then(|| {
-            let nodes = 0..body.contact.node_count();
-            let largest = nodes.map(|node| friction.bounds().extremes(node)[0]);
-            largest.fold(0.0, f64::max)
-        }),
-    };
+    let law = LawConstants::of(&friction, theta_k);
     let constants = |x: f64, y: f64| match &kept.model {
         KeptModel::Reduced(reduced) => constants_of_compliance(body, &reduced.compliance(x, y)),
         KeptModel::Whole(_) => factored_constants(body, cholesky, (x, y)),
@@ -297,6 +288,11 @@ fn finish(
         files: files.clone(),
     };
     Model::new(scene, parts)
+}
+
+/// Nodes of every contact.
+fn ranges(body: &Body) -> impl Iterator<Item = Range<usize>> {
+    body.contact.parts.iter().map(|part| part.nodes.clone())
 }
 
 /// The model that is kept; a reduced one also serves the certificate.

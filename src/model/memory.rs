@@ -41,7 +41,7 @@ impl Sizes {
     /// From the scene alone; refinement counts as far as its boxes are filled.
     pub fn of_scene(scene: &Scene) -> Option<Sizes> {
         let element = scene.element_table()?;
-        let extent = scene.mesh.extent(element, &scene.contact.part)?;
+        let extent = scene.extent(element)?;
         Some(Sizes::new(scene, element, &extent))
     }
 
@@ -54,8 +54,9 @@ impl Sizes {
             true => 1,
             false => 1u128 << mesh.dimension,
         };
-        let faces =
-            mesh.parts.get(&scene.contact.part).map_or(0, Vec::len) / mesh.element.face_nodes();
+        let parts = scene.each_contact();
+        let faces = parts.map(|contact| mesh.parts.get(&contact.part).map_or(0, Vec::len));
+        let faces = faces.sum::<usize>() / mesh.element.face_nodes();
         let per_face =
             element.order.pow(mesh.dimension as u32 - 1) as f64 / (mesh.dimension - 1) as f64;
         let extent = Extent {

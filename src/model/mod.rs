@@ -17,7 +17,7 @@ pub use compile::Compilation;
 pub(crate) use memory::ensure_available;
 pub use selection::Selection;
 
-use crate::contact::law::ChosenLaw;
+use crate::contact::law::ContactLaw;
 use crate::contact::solve::fixed_point::FixedPoint;
 use crate::fem::ContactPatch;
 use crate::files::MemoryFiles;
@@ -102,7 +102,8 @@ pub struct Model {
     motions: Motions,
     initial: Option<InitialState>,
     ports: Ports,
-    friction: ChosenLaw,
+    friction: ContactLaw,
+    conditions: Vec<Condition>,
     tableau: Tableau,
     start: Start,
     largest_step: f64,
@@ -198,8 +199,8 @@ impl Model {
         self.state_bytes
     }
 
-    /// The friction law with the coefficients of the scene.
-    pub fn friction(&self) -> &ChosenLaw {
+    /// The friction laws of all contacts with the coefficients of the scene.
+    pub fn friction(&self) -> &ContactLaw {
         &self.friction
     }
 
@@ -260,9 +261,9 @@ impl Model {
         self.initial.as_ref()
     }
 
-    /// The normal condition.
-    pub(crate) fn condition(&self) -> &Condition {
-        &self.scene.contact.condition
+    /// The normal condition of every contact.
+    pub(crate) fn conditions(&self) -> &[Condition] {
+        &self.conditions
     }
 
     /// Linear outputs of the body: one per column of forces, then the components of the probes.

@@ -4,7 +4,7 @@
 use crate::bytes::{Reader, Writer};
 use crate::error::Result;
 use crate::fem::Body;
-use crate::scene::{DrivenInput, Foundation, Scene};
+use crate::scene::{DrivenInput, Foundation, MAX_CONTACTS, Scene};
 
 /// One motion of a driven part.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,8 +22,34 @@ pub(crate) struct Drive {
 /// One motion of the foundation: its velocities at the contact components by a unit.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct FoundationMotion {
+    /// The contact that it moves under.
+    pub contact: usize,
     pub is_approach: bool,
     on_contact: Vec<f64>,
+}
+
+/// What the foundation of every contact does towards the body: a displacement, m, or a velocity, m/s.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Approach([f64; MAX_CONTACTS]);
+
+impl Approach {
+    pub const NONE: Approach = Approach([0.0; MAX_CONTACTS]);
+
+    /// That of a contact.
+    pub fn of(&self, contact: usize) -> f64 {
+        self.0[contact]
+    }
+
+    /// Mean velocity between two displacements.
+    pub fn rate(from: Approach, to: Approach, time: f64) -> Approach {
+        Approach(std::array::from_fn(|i| (to.0[i] - from.0[i]) / time))
+    }
+
+    /// Those of the first contacts.
+    pub fn copy_to(&self, out: &mut [f64]) {
+        let count = out.len();
+        out.copy_from_slice(&self.0[..count]);
+    }
 }
 
 /// All motions of a scene. Inputs are loads, then drives, then motions of the foundation.
@@ -86,23 +112,21 @@ impl Motions {
                 on_probes: take(),
             });
         }
-        let of = |(motion, on_contact): (&Foundation, Vec<f64>)| FoundationMotion {
-            is_approach: matches!(motion, Foundation::Approach { .. }),
-            on_contact,
-        };
+        let of =
+            |((contact, motion), on_contact): ((usize, &Foundation), Vec<f64>)| FoundationMotion {
+                contact,
+                is_approach: matches!(motion, Foundation::Approach { .. }),
+                on_contact,
+            };
+        let contacts = scene.each_contact().enumerate();
+        let listed = contacts.flat_map(|(i, c)| c.foundation.iter().map(move |motion| (i, motion)));
         Motions {
             loads,
             drives,
             viscosity: Vec::new(),
             elasticity: Vec::new(),
             has_initial: false,
-            foundation: scene
-                .contact
-                .foundation
-                .iter()
-                .zip(foundation)
-                .map(of)
-                .collect(),
+            foundation: listed.zip(foundation).map(of).collect(),
         }
     }
 
@@ -183,13 +207,19 @@ impl Motions {
         }
     }
 
-    /// Displacement of the foundation towards the body, m; with rates of the inputs its velocity.
-    pub fn approach(&self, inputs: &[f64]) -> f64 {
-        let moves = |(i, motion): (usize, &FoundationMotion)| match motion.is_approach {
-            true => inputs[self.foundation_input(i)],
-            false => 0.0,
-        };
-        self.foundation.iter().enumerate().map(moves).sum()
+    /// Displacements of the foundations towards the body, m; with rates of the inputs their velocities.
+    pub fn approach(&self, inputs: &[f64]) -> Approach {
+        self.approach_by(|motion| inputs[self.foundation_input(motion)])
+    }
+
+    /// The same from what every motion of the foundation does.
+    pub fn approach_by(&self, moves: impl Fn(usize) -> f64) -> Approach {
+        // what a sum of nothing is
+        let mut sum = Approach([-0.0; MAX_CONTACTS]);
+        for (i, motion) in self.foundation.iter().enumerate() {
+            sum.0[motion.contact] += if motion.is_approach { moves(i) } else { 0.0 };
+        }
+        sum
     }
 
     /// Adds the drives' share to what loads and probes see of a velocity (or, with displacements of drives, of a displacement).
@@ -315,7 +345,7 @@ impl Motions {
             return Err(refusal());
         }
         let mut foundation = Vec::new();
-        for _ in &scene.contact.foundation {
+        for _ in scene.each_contact().flat_map(|c| &c.foundation) {
             let values = from.finite()?;
             if values.len() != contact {
                 return Err(refusal());

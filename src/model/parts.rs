@@ -7,7 +7,7 @@ use super::selection::Selection;
 use super::start::InitialState;
 use super::{BodyModel, Model, ReductionRecord, SolverSettings, Summary};
 use crate::body::digits::can_lose_in_steps;
-use crate::contact::law::ChosenLaw;
+use crate::contact::law::ContactLaw;
 use crate::contact::solve::fixed_point::FixedPoint;
 use crate::error::Result;
 use crate::fem::ContactPatch;
@@ -54,7 +54,8 @@ impl Model {
     /// # Errors
     /// [`crate::Error::Scene`] for coefficients that do not fit the contact nodes.
     pub(super) fn new(scene: &Scene, parts: Parts) -> Result<Model> {
-        let friction = scene.friction_on(&parts.contact.points)?;
+        let ranges = parts.contact.parts.iter().map(|part| part.nodes.clone());
+        let friction = scene.friction_on(&parts.contact.points, ranges)?;
         let mut model = Model {
             summary: summary(scene, &parts),
             ports: ports(scene, &parts, &friction),
@@ -65,6 +66,7 @@ impl Model {
             initial: parts.initial,
             probes: scene.probes.len(),
             friction,
+            conditions: scene.each_contact().map(|c| c.condition.clone()).collect(),
             tableau: Tableau::of(scene.scheme()),
             start: scene.time.start,
             largest_step: scene.time.step,
@@ -118,7 +120,7 @@ fn interpolations(scene: &Scene, motions: &Motions) -> Vec<Interpolation> {
         .collect()
 }
 
-fn ports(scene: &Scene, parts: &Parts, friction: &ChosenLaw) -> Ports {
+fn ports(scene: &Scene, parts: &Parts, friction: &ContactLaw) -> Ports {
     let unit = |kind| match kind {
         LoadKind::Traction => "Pa",
         LoadKind::BodyForce => "N/m3",
@@ -139,23 +141,19 @@ fn ports(scene: &Scene, parts: &Parts, friction: &ChosenLaw) -> Ports {
                 is_displacement: driven.input == DrivenInput::Displacement,
             })
     });
-    let foundation = scene
-        .contact
-        .foundation
-        .iter()
-        .map(|motion| FoundationPort {
-            name: motion.name().to_owned(),
-            is_rotation: matches!(motion, Foundation::Rotation { .. }),
-            is_approach: matches!(motion, Foundation::Approach { .. }),
-        });
+    let motions = scene.each_contact().flat_map(|contact| &contact.foundation);
+    let foundation = motions.map(|motion| FoundationPort {
+        name: motion.name().to_owned(),
+        is_rotation: matches!(motion, Foundation::Rotation { .. }),
+        is_approach: matches!(motion, Foundation::Approach { .. }),
+    });
     Ports::new(&Shapes {
         has_normal: parts.contact.has_normal,
-        can_open: !parts.contact.gaps.is_empty(),
+        contacts: &parts.contact.parts,
         has_means: !Tableau::of(scene.scheme()).ends_with_stage(),
         driven: &driven.collect::<Vec<_>>(),
         foundation: &foundation.collect::<Vec<_>>(),
         dimension: parts.dimension,
-        nodes: parts.contact.nodes.len(),
         components: parts.contact.components,
         loads: &loads,
         probes: &probes,

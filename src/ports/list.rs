@@ -1,13 +1,16 @@
 //! The list of the ports: inputs, contact, work-conjugates and probes, energies and solver, coefficients.
 
 use super::{Causality, Port, Ports, Quantity, Shapes};
+use crate::scene::CONTACT;
 
 impl Ports {
     pub(crate) fn new(shapes: &Shapes) -> Ports {
         let mut ports = Ports { list: Vec::new() };
         ports.add_inputs(shapes);
-        ports.add_contact(shapes);
-        ports.add_normal(shapes);
+        for scope in Scope::all(shapes) {
+            ports.add_contact(shapes, &scope);
+            ports.add_normal(shapes, &scope);
+        }
         ports.add_conjugates_and_probes(shapes);
         ports.add_motions(shapes);
         ports.add_accounts(shapes);
@@ -31,8 +34,27 @@ impl Ports {
             causality,
             shape: shape.to_vec(),
             quantity,
+            contact: None,
             description: description.into(),
         });
+    }
+
+    /// Adds an output over a contact.
+    fn add_of(
+        &mut self,
+        scope: &Scope,
+        name: &str,
+        unit: &'static str,
+        shape: &[usize],
+        quantity: Quantity,
+        description: &'static str,
+    ) {
+        let name = format!("{}.{name}", scope.name);
+        let causality = Causality::Output;
+        self.add(name, unit, causality, shape, quantity, description);
+        if let Some(port) = self.list.last_mut() {
+            port.contact = scope.contact;
+        }
     }
 
     fn add_inputs(&mut self, shapes: &Shapes) {
@@ -81,61 +103,34 @@ impl Ports {
     }
 
     /// Pressure and gap, where the contact has them.
-    fn add_normal(&mut self, shapes: &Shapes) {
-        use Causality::Output;
+    fn add_normal(&mut self, shapes: &Shapes, scope: &Scope) {
         if !shapes.has_normal {
             return;
         }
-        let nodal: &[usize] = &[shapes.nodes];
+        let nodal: &[usize] = &[scope.nodes];
         let text =
             "Pressure of the foundation on the body; negative where bilateral contact pulls.";
-        self.add(
-            "contact.pressure",
-            "Pa",
-            Output,
-            nodal,
-            Quantity::Pressure,
-            text,
-        );
+        self.add_of(scope, "pressure", "Pa", nodal, Quantity::Pressure, text);
         let text = "Total force of the foundation on the body along the inward normals.";
-        self.add(
-            "contact.normal_force",
-            "N",
-            Output,
-            &[],
-            Quantity::NormalForce,
-            text,
-        );
-        if shapes.can_open {
+        self.add_of(scope, "normal_force", "N", &[], Quantity::NormalForce, text);
+        if scope.can_open {
             let text = "Distance to the foundation along its normal; negative where it gives way.";
-            self.add("contact.gap", "m", Output, nodal, Quantity::Gap, text);
+            self.add_of(scope, "gap", "m", nodal, Quantity::Gap, text);
             let text = "0 where the node is open, 1 where it sticks, 2 where it slips.";
-            self.add("contact.status", "1", Output, nodal, Quantity::Status, text);
+            self.add_of(scope, "status", "1", nodal, Quantity::Status, text);
             let text = "Share of the contact area that is open.";
-            self.add(
-                "contact.open_fraction",
-                "1",
-                Output,
-                &[],
-                Quantity::OpenFraction,
-                text,
-            );
+            let quantity = Quantity::OpenFraction;
+            self.add_of(scope, "open_fraction", "1", &[], quantity, text);
         }
-        if shapes.friction.has_memory() {
+        if scope.has_memory {
             let text = "State of the friction law.";
-            let name = "contact.friction_state";
-            self.add(name, "s", Output, nodal, Quantity::FrictionState, text);
+            let quantity = Quantity::FrictionState;
+            self.add_of(scope, "friction_state", "s", nodal, quantity, text);
         }
         if shapes.has_means {
             let text = "Mean pressure over the last internal step.";
-            self.add(
-                "contact.mean_pressure",
-                "Pa",
-                Output,
-                nodal,
-                Quantity::MeanPressure,
-                text,
-            );
+            let quantity = Quantity::MeanPressure;
+            self.add_of(scope, "mean_pressure", "Pa", nodal, quantity, text);
         }
     }
 
@@ -184,13 +179,13 @@ impl Ports {
         }
     }
 
-    fn add_contact(&mut self, shapes: &Shapes) {
+    fn add_contact(&mut self, shapes: &Shapes, scope: &Scope) {
         let field: &[usize] = if shapes.components == 1 {
-            &[shapes.nodes]
+            &[scope.nodes]
         } else {
-            &[shapes.nodes, shapes.components]
+            &[scope.nodes, shapes.components]
         };
-        let nodal = &[shapes.nodes];
+        let nodal = &[scope.nodes];
         let total: &[usize] = if shapes.components == 1 {
             &[]
         } else {
@@ -255,8 +250,7 @@ impl Ports {
                 "Share of the contact area that sticks.",
             ),
         ] {
-            let name = format!("contact.{name}");
-            self.add(name, unit, Causality::Output, shape, quantity, text);
+            self.add_of(scope, name, unit, shape, quantity, text);
         }
         if !shapes.friction.kernel().is_empty() {
             let text = "Slip as the kernel of the friction law remembers it.";
@@ -266,19 +260,19 @@ impl Ports {
         if shapes.has_means {
             for (name, unit, quantity, text) in [
                 (
-                    "contact.mean_slip_rate",
+                    "mean_slip_rate",
                     "m/s",
                     MeanSlipRate,
                     "Mean slip rate over the last internal step.",
                 ),
                 (
-                    "contact.mean_tangential_stress",
+                    "mean_tangential_stress",
                     "Pa",
                     MeanTangentialStress,
                     "Mean tangential stress on the body over the last internal step.",
                 ),
             ] {
-                self.add(name, unit, Causality::Output, field, quantity, text);
+                self.add_of(scope, name, unit, field, quantity, text);
             }
         }
     }
@@ -412,16 +406,53 @@ impl Ports {
     }
 
     fn add_coefficients(&mut self, shapes: &Shapes) {
-        let (law, places) = (shapes.friction.law(), shapes.friction.places());
-        for (i, place) in places.iter().enumerate().filter(|(_, place)| place.len > 0) {
+        let places = shapes.friction.places().iter().enumerate();
+        for (i, place) in places.filter(|(_, place)| place.len > 0) {
+            let (part, own) = shapes.friction.coefficient(i);
             self.add(
-                law.path(i),
-                law.unit(i),
+                part.law.path(own),
+                part.law.law().unit(own),
                 Causality::Parameter,
                 &place.shape(),
                 Quantity::Coefficient(i),
                 "Coefficient of the friction law; may change between steps.",
             );
         }
+    }
+}
+
+/// What outputs over the contact are of: all contacts together, or one of them.
+struct Scope<'a> {
+    /// First part of the names of its ports.
+    name: &'a str,
+    contact: Option<usize>,
+    nodes: usize,
+    can_open: bool,
+    has_memory: bool,
+}
+
+impl Scope<'_> {
+    /// All contacts together, then every one that has a name of its own.
+    fn all<'a>(shapes: &Shapes<'a>) -> Vec<Scope<'a>> {
+        let contacts = shapes.contacts;
+        let mut all = vec![Scope {
+            name: CONTACT,
+            contact: None,
+            nodes: contacts.iter().map(|part| part.nodes.len()).sum(),
+            can_open: contacts.iter().any(|part| part.can_open),
+            has_memory: shapes.friction.has_memory(),
+        }];
+        for (i, (part, law)) in contacts.iter().zip(shapes.friction.parts()).enumerate() {
+            if part.name != CONTACT {
+                all.push(Scope {
+                    name: &part.name,
+                    contact: Some(i),
+                    nodes: part.nodes.len(),
+                    can_open: part.can_open,
+                    has_memory: law.law.has_memory(),
+                });
+            }
+        }
+        all
     }
 }

@@ -7,8 +7,10 @@ pub(crate) mod readout;
 pub use derivatives::Slope;
 pub(crate) use derivatives::Tangent;
 
-use crate::contact::law::ChosenLaw;
+use crate::contact::law::ContactLaw;
 use crate::error::{Error, Result};
+use crate::fem::{ContactPart, ContactPatch};
+use std::ops::Range;
 
 /// What a port is to a master.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -79,6 +81,8 @@ pub struct Port {
     /// `[points]` of a curve.
     pub shape: Vec<usize>,
     pub quantity: Quantity,
+    /// The contact of a quantity over the contact, by its place in the scene; `None` where it is over all of them, or over none.
+    pub contact: Option<usize>,
     /// One sentence with sign and frame.
     pub description: String,
 }
@@ -87,6 +91,14 @@ impl Port {
     /// Number of values.
     pub fn len(&self) -> usize {
         self.shape.iter().product()
+    }
+
+    /// The contact nodes that a quantity over the contact is of.
+    pub(crate) fn nodes(&self, contact: &ContactPatch) -> Range<usize> {
+        match self.contact {
+            Some(part) => contact.parts[part].nodes.clone(),
+            None => 0..contact.node_count(),
+        }
     }
 
     /// Whether there are no values.
@@ -118,11 +130,10 @@ pub(crate) struct FoundationPort {
 /// What the list is made from.
 pub(crate) struct Shapes<'a> {
     pub dimension: usize,
-    pub nodes: usize,
+    pub contacts: &'a [ContactPart],
     pub components: usize,
-    /// Whether the contact has a normal component, and can open.
+    /// Whether the contact has a normal component.
     pub has_normal: bool,
-    pub can_open: bool,
     /// Whether steps have means apart from the values at their ends.
     pub has_means: bool,
     /// Name and unit of the intensity, in the order of the scene.
@@ -130,7 +141,7 @@ pub(crate) struct Shapes<'a> {
     pub driven: &'a [DrivenPort],
     pub foundation: &'a [FoundationPort],
     pub probes: &'a [String],
-    pub friction: &'a ChosenLaw,
+    pub friction: &'a ContactLaw,
     /// Whether the error in time is estimated.
     pub has_error_estimate: bool,
     /// Whether its steps may lose digits.

@@ -1,10 +1,12 @@
 //! The values of a port in a state.
 
 use crate::contact::problem::norm;
+use crate::fem::ContactPatch;
 use crate::model::Model;
 use crate::ports::{Port, Quantity};
 use crate::state::{State, energy, report};
 use crate::time::estimate;
+use std::ops::Range;
 
 /// Writes the values of `port` into `out`, which has its length.
 pub(crate) fn read(model: &Model, state: &State, port: &Port, out: &mut [f64]) {
@@ -16,45 +18,44 @@ pub(crate) fn read(model: &Model, state: &State, port: &Port, out: &mut [f64]) {
             .all(|w| *w == 0.0)
     };
     let motions = model.motions();
-    let (loads, weights) = (motions.force_count(), &contact.weights);
+    let loads = motions.force_count();
+    let nodes = port.nodes(contact);
+    let own = nodes.start * c..nodes.end * c;
+    let weights = &contact.weights[nodes.clone()];
     let is_open =
-        |node: usize| !contact.gaps.is_empty() && state.main.instant.normal_force[node] <= 0.0;
+        |node: usize| contact.can_open_at(node) && state.main.instant.normal_force[node] <= 0.0;
     let pressures = |forces: &[f64], out: &mut [f64]| {
-        for (out, (force, weight)) in out.iter_mut().zip(forces.iter().zip(weights)) {
+        let forces = forces[nodes.clone()].iter().zip(weights);
+        for (out, (force, weight)) in out.iter_mut().zip(forces) {
             *out = force / weight;
+        }
+    };
+    let stresses = |forces: &[f64], out: &mut [f64]| {
+        for (i, out) in own.clone().zip(out) {
+            *out = contact.stress(i, forces[i]);
         }
     };
     let dimension = model.summary().dimension;
     let probe = |i: usize| loads + i * dimension..loads + (i + 1) * dimension;
     let value = match port.quantity {
         Quantity::TangentialStress => {
-            for (i, out) in out.iter_mut().enumerate() {
-                *out = contact.stress(i, state.main.instant.force[i]);
-            }
-            return;
+            return stresses(&state.main.instant.force, out);
         }
         Quantity::ContactForce => {
             for (p, out) in out.iter_mut().enumerate() {
-                *out = 0.0
-                    - state
-                        .main
-                        .instant
-                        .force
-                        .iter()
-                        .skip(p)
-                        .step_by(c)
-                        .sum::<f64>();
+                let forces = state.main.instant.force[own.clone()].iter();
+                *out = 0.0 - forces.skip(p).step_by(c).sum::<f64>();
             }
             return;
         }
         Quantity::Stick => {
-            for (node, out) in out.iter_mut().enumerate() {
+            for (node, out) in nodes.zip(out) {
                 *out = f64::from(u8::from(is_stuck(node) && !is_open(node)));
             }
             return;
         }
         Quantity::Status => {
-            for (node, out) in out.iter_mut().enumerate() {
+            for (node, out) in nodes.zip(out) {
                 *out = match (is_open(node), is_stuck(node)) {
                     (true, _) => 0.0,
                     (false, true) => 1.0,
@@ -65,19 +66,17 @@ pub(crate) fn read(model: &Model, state: &State, port: &Port, out: &mut [f64]) {
         }
         Quantity::Pressure => return pressures(&state.main.instant.normal_force, out),
         Quantity::MeanPressure => return pressures(&state.mean_normal_force, out),
-        Quantity::FrictionState => return out.copy_from_slice(&state.main.friction_state),
-        Quantity::MeanSlipRate => return out.copy_from_slice(&state.mean_slip_rate),
+        Quantity::FrictionState => {
+            return out.copy_from_slice(&state.main.friction_state[nodes]);
+        }
+        Quantity::MeanSlipRate => return out.copy_from_slice(&state.mean_slip_rate[own]),
         Quantity::MeanTangentialStress => {
-            for (i, out) in out.iter_mut().enumerate() {
-                *out = contact.stress(i, state.mean_force[i]);
-            }
-            return;
+            return stresses(&state.mean_force, out);
         }
         Quantity::Gap => {
-            let approach = state.main.instant.approach[0];
-            let moved = contact.gaps.iter().zip(&state.main.normal_displacement);
-            for (out, (gap, moved)) in out.iter_mut().zip(moved) {
-                *out = gap + moved - approach;
+            for (node, out) in nodes.zip(out) {
+                let approach = state.main.instant.approach[contact.part_of(node)];
+                *out = contact.gaps[node] + state.main.normal_displacement[node] - approach;
             }
             return;
         }
@@ -85,17 +84,20 @@ pub(crate) fn read(model: &Model, state: &State, port: &Port, out: &mut [f64]) {
             let place = &model.friction().places()[i];
             return out.copy_from_slice(&state.coefficients[place.range()]);
         }
-        Quantity::SlipRate => return out.copy_from_slice(&state.main.instant.slip_rate),
-        Quantity::Slip => return out.copy_from_slice(&state.slip),
+        Quantity::SlipRate => return out.copy_from_slice(&state.main.instant.slip_rate[own]),
+        Quantity::Slip => return out.copy_from_slice(&state.slip[own]),
         Quantity::SlipMemory => {
+            // a scene with a kernel has one contact
             let kernel = model.friction().kernel();
-            let nodes = state.main.slip_memory.chunks_exact(kernel.terms().len());
-            for (out, states) in out.iter_mut().zip(nodes) {
+            let states = state.main.slip_memory.chunks_exact(kernel.terms().len());
+            for (out, states) in out.iter_mut().zip(states) {
                 *out = kernel.value(states);
             }
             return;
         }
-        Quantity::AccumulatedSlip => return out.copy_from_slice(&state.main.accumulated_slip),
+        Quantity::AccumulatedSlip => {
+            return out.copy_from_slice(&state.main.accumulated_slip[nodes]);
+        }
         Quantity::ProbeDisplacement(i) => {
             return out.copy_from_slice(&state.output_displacement[probe(i)]);
         }
@@ -109,16 +111,13 @@ pub(crate) fn read(model: &Model, state: &State, port: &Port, out: &mut [f64]) {
         Quantity::DriveVelocity(i) => state.main.instant.drive_velocity[i],
         Quantity::DriveForce(i) => state.main.instant.drive_force[i],
         Quantity::FoundationForce(i) => state.main.instant.foundation_force[i],
-        Quantity::NormalForce => 0.0 + state.main.instant.normal_force.iter().sum::<f64>(),
-        Quantity::MaxSlipRate => state
-            .main
-            .instant
-            .slip_rate
+        Quantity::NormalForce => 0.0 + state.main.instant.normal_force[nodes].iter().sum::<f64>(),
+        Quantity::MaxSlipRate => state.main.instant.slip_rate[own]
             .chunks_exact(c)
             .map(norm)
             .fold(0.0, f64::max),
-        Quantity::StickFraction => share(weights, |node| is_stuck(node) && !is_open(node)),
-        Quantity::OpenFraction => share(weights, is_open),
+        Quantity::StickFraction => share(contact, nodes, |node| is_stuck(node) && !is_open(node)),
+        Quantity::OpenFraction => share(contact, nodes, is_open),
         Quantity::ExternalWork => state.energy[energy::EXTERNAL_WORK],
         Quantity::ElasticEnergy => state.energy[energy::ELASTIC],
         Quantity::ViscousDissipation => state.energy[energy::VISCOUS],
@@ -140,10 +139,11 @@ pub(crate) fn read(model: &Model, state: &State, port: &Port, out: &mut [f64]) {
     out[0] = value;
 }
 
-/// Share of the contact area whose nodes are counted.
-fn share(weights: &[f64], is_counted: impl Fn(usize) -> bool) -> f64 {
-    let total: f64 = weights.iter().sum();
-    let counted: f64 = (0..weights.len())
+/// Share of the area of some nodes that those have which are counted.
+fn share(contact: &ContactPatch, nodes: Range<usize>, is_counted: impl Fn(usize) -> bool) -> f64 {
+    let weights = &contact.weights;
+    let total: f64 = weights[nodes.clone()].iter().sum();
+    let counted: f64 = nodes
         .filter(|&node| is_counted(node))
         .map(|node| weights[node])
         .sum();

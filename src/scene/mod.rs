@@ -16,7 +16,7 @@ mod types;
 mod validate;
 
 pub use crate::mesh::MAX_NODES;
-pub use examples::{example, example_names};
+pub use examples::{ExampleFiles, example, example_names};
 pub use types::*;
 
 use crate::Result;

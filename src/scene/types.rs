@@ -32,6 +32,7 @@ pub use crate::mesh::{Axis, BoxMesh, GmshMesh, Grid, MeshSpec, Rectangle, Refine
 
 use crate::element::{self, Element};
 use crate::material::Operators;
+use crate::mesh::Extent;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -67,8 +68,15 @@ pub struct Scene {
     /// What the body starts with. Default: at rest and undeformed.
     #[serde(default, skip_serializing_if = "Initial::is_default")]
     pub initial: Initial,
-    /// Contact with the foundation.
-    pub contact: Contact,
+    /// Contact with the foundation; or else `contacts`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Contact")]
+    pub contact: Option<Contact>,
+    /// Contacts, each with its own part, law and ports; or else `contact`. Arrays over all contact nodes go through them in this
+    /// order. Default: none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(max = 16))]
+    pub contacts: Vec<Contact>,
     /// Loads; each is an input of the component. Default: none.
     #[serde(default)]
     pub loads: Vec<Load>,
@@ -97,7 +105,41 @@ pub(crate) struct Placed<'a> {
     pub operators: Operators<'a>,
 }
 
+/// A contact of a scene, and where it stands.
+pub struct PlacedContact<'a> {
+    /// Its place in the scene: `contact` or `contacts[i]`.
+    pub path: String,
+    contact: &'a Contact,
+}
+
+impl std::ops::Deref for PlacedContact<'_> {
+    type Target = Contact;
+
+    fn deref(&self) -> &Contact {
+        self.contact
+    }
+}
+
 impl Scene {
+    /// The contacts, in their order.
+    pub fn contacts(&self) -> Vec<PlacedContact<'_>> {
+        let one = self.contact.iter().map(|contact| PlacedContact {
+            path: CONTACT.to_owned(),
+            contact,
+        });
+        let listed = self.contacts.iter().enumerate();
+        let several = listed.map(|(i, contact)| PlacedContact {
+            path: format!("contacts[{i}]"),
+            contact,
+        });
+        one.chain(several).collect()
+    }
+
+    /// The contacts without their places.
+    pub(crate) fn each_contact(&self) -> impl Iterator<Item = &Contact> {
+        self.contact.iter().chain(&self.contacts)
+    }
+
     /// The materials, in their order.
     pub(crate) fn materials(&self) -> Vec<Placed<'_>> {
         let whole = self.material.iter().map(|m| Placed {
@@ -151,28 +193,34 @@ impl Scene {
 
     /// The time scheme, with what `auto` stands for.
     pub fn scheme(&self) -> Scheme {
-        match (self.time.scheme, &self.contact.condition) {
-            (Scheme::Auto, Condition::Bilateral) if !self.has_approach() && self.has_dashpots() => {
-                Scheme::Trapezoid
+        match self.time.scheme {
+            Scheme::Auto if self.can_open() || self.has_approach() || !self.has_dashpots() => {
+                Scheme::TrBdf2
             }
-            (Scheme::Auto, _) => Scheme::TrBdf2,
-            (given, _) => given,
+            Scheme::Auto => Scheme::Trapezoid,
+            given => given,
         }
     }
 
     /// Whether the foundation moves along its normal.
     pub(crate) fn has_approach(&self) -> bool {
         let is_approach = |motion: &Foundation| matches!(motion, Foundation::Approach { .. });
-        self.contact.foundation.iter().any(is_approach)
+        let mut motions = self.each_contact().flat_map(|contact| &contact.foundation);
+        motions.any(is_approach)
+    }
+
+    /// Whether contact can open or give way somewhere.
+    pub(crate) fn can_open(&self) -> bool {
+        self.each_contact()
+            .any(|contact| !contact.condition.is_default())
     }
 
     /// Whether a step needs the normal motion and force of the contact nodes: where contact opens or gives way, where friction
-    /// depends on the pressure, where the foundation moves along its normal, and where the pressure is asked for.
+    /// depends on the pressure, where the foundation moves along its normal, and where the pressure is asked for. What one contact
+    /// needs all of them get.
     pub fn is_pressed(&self) -> bool {
-        !self.contact.condition.is_default()
-            || self.contact.pressure
-            || self.has_approach()
-            || self.contact.friction.needs_pressure()
+        let needs = |contact: &Contact| contact.pressure || contact.friction.needs_pressure();
+        self.can_open() || self.has_approach() || self.each_contact().any(needs)
     }
 
     /// Names and starts of all inputs in their order: loads, driven directions, motions of the foundation.
@@ -183,12 +231,20 @@ impl Scene {
             .map(|load| (load.name.as_str(), load.start));
         let directions = self.driven.iter().flat_map(|d| d.directions.keys());
         let driven = directions.map(|name| (name.as_str(), 0.0));
-        let foundation = self
-            .contact
-            .foundation
-            .iter()
-            .map(|m| (m.name(), m.start()));
+        let motions = self.each_contact().flat_map(|contact| &contact.foundation);
+        let foundation = motions.map(|m| (m.name(), m.start()));
         loads.chain(driven).chain(foundation)
+    }
+
+    /// How large the mesh is, and all contacts on it; `None` where only the file of the mesh says that.
+    pub fn extent(&self, element: &Element) -> Option<Extent> {
+        let extents = self.each_contact();
+        let extents = extents.map(|contact| self.mesh.extent(element, &contact.part));
+        extents.reduce(|all, one| {
+            let (all, one) = (all?, one?);
+            let contact = all.contact + one.contact;
+            Some(Extent { contact, ..all })
+        })?
     }
 
     /// The table of the element in the dimension of the mesh; `None` where only the file of the mesh says the dimension.

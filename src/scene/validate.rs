@@ -9,7 +9,7 @@ mod motion;
 use super::types::*;
 use crate::message::{cut, number};
 use crate::refusal::{Refusal, Verdict, ensure, json};
-use body::{check_clamped, check_contact, check_materials, check_mesh, check_part};
+use body::{check_clamped, check_contact, check_materials, check_mesh, check_part, refuse_contact};
 use initial::check_initial;
 use motion::{check_condition, check_driven, check_foundation};
 use std::collections::{BTreeMap, BTreeSet};
@@ -62,14 +62,30 @@ fn check_names(scene: &Scene) -> Verdict {
         let of = move |name| (format!("driven[{i}].directions"), name);
         d.directions.keys().map(of)
     });
-    let motions = scene.contact.foundation.iter().enumerate();
-    let foundation = motions.map(|(i, m)| (format!("contact.foundation[{i}].name"), m.name()));
+    let contacts = scene.contacts();
+    let names = contacts.iter().filter(|c| c.name != CONTACT);
+    let named = names.map(|c| (format!("{}.name", c.path), c.name.as_str()));
+    let foundation = contacts.iter().flat_map(|contact| {
+        let motions = contact.foundation.iter().enumerate();
+        motions.map(|(i, m)| (format!("{}.foundation[{i}].name", contact.path), m.name()))
+    });
+    if let Some(contact) = contacts
+        .iter()
+        .find(|c| contacts.len() > 1 && c.name == CONTACT)
+    {
+        let allowed = "a name of its own for each of several contacts: the ports of all together begin with contact";
+        return Err(Refusal::new(
+            format!("{}.name", contact.path),
+            json(&contact.name),
+            allowed,
+        ));
+    }
     let all = loads
         .chain(probes)
         .chain(driven)
         .map(|(path, name)| (path, name.as_str()));
     let mut taken: BTreeMap<&str, String> = BTreeMap::new();
-    for (path, name) in all.chain(foundation) {
+    for (path, name) in all.chain(named).chain(foundation) {
         ensure(is_identifier(name), || {
             let allowed = "a letter or underscore, then letters, digits and underscores";
             Refusal::new(&path, json(name), allowed)
@@ -83,7 +99,7 @@ fn check_names(scene: &Scene) -> Verdict {
             return Err(Refusal::new(
                 &path,
                 found,
-                "a name that no other load, probe or motion has",
+                "a name that no other load, probe, contact or motion has",
             ));
         }
         taken.insert(name, path);
@@ -114,10 +130,7 @@ fn check_load(scene: &Scene, dimension: Option<usize>, load: &Load, path: &str) 
         (LoadKind::Traction, Some(part)) => {
             check_part(&scene.mesh, part, &part_path)?;
             // On either, some or all of the traction would vanish without a word.
-            ensure(*part != scene.contact.part, || {
-                let found = format!("{:?}, which is contact.part", cut(part));
-                Refusal::new(&part_path, found, "parts that are not in contact")
-            })?;
+            refuse_contact(scene, part, &part_path, "parts that are not in contact")?;
             ensure(!scene.clamped.contains(part), || {
                 let found = format!("{:?}, which is clamped", cut(part));
                 Refusal::new(&part_path, found, "parts that are not clamped")

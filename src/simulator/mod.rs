@@ -415,9 +415,10 @@ fn settable(model: &Model, port: &Port, value: f64) -> Result<Quantity> {
     match port.quantity {
         Quantity::Input(_) => {}
         Quantity::Coefficient(i) => {
-            let law = model.friction().law();
-            law.check_value(i, value)?;
-            if value != 0.0 && law.is_cohesion(i) && !model.contact().gaps.is_empty() {
+            let (part, own) = model.friction().coefficient(i);
+            part.law.check_value(own, value)?;
+            let can_open = model.contact().can_open_at(part.nodes.start);
+            if value != 0.0 && part.law.law().is_cohesion(own) && can_open {
                 return Err(Error::Value {
                     what: port.name.clone(),
                     found: value,

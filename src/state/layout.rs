@@ -34,6 +34,8 @@ pub(crate) struct Sizes {
     /// Motions of driven parts, and of the foundation.
     pub drives: usize,
     pub foundation: usize,
+    /// Contacts of the scene.
+    pub contacts: usize,
     /// Whether contact has a normal component, and steps have means apart from the values at their ends.
     pub has_normal: bool,
     pub has_means: bool,

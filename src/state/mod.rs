@@ -61,7 +61,7 @@ blocks! {
         mean_normal_force: Motion[|s| s.means(s.normal())],
         /// External work, elastic energy, viscous and frictional dissipation, J; see [`energy`].
         energy: Motion[|_| energy::COUNT],
-        /// Coefficients of the friction law, one after the other (see `ChosenLaw::places`).
+        /// Coefficients of the friction law, one after the other (see `ContactLaw::places`).
         coefficients: Given[|s| s.coefficients],
         /// Account of the last communication step; see [`report`].
         report: Account[|_| report::COUNT],
@@ -155,6 +155,7 @@ impl State {
             outputs: model.output_count(),
             drives: model.motions().drives.len(),
             foundation: model.motions().foundation.len(),
+            contacts: model.contact().parts.len(),
             has_normal: model.contact().has_normal,
             has_means: !model.tableau().ends_with_stage(),
             has_memory: model.friction().has_memory(),
@@ -190,10 +191,8 @@ impl State {
     /// The friction law has its first state.
     pub(crate) fn start_memory(&mut self, model: &Model) {
         for (node, state) in self.main.friction_state.iter_mut().enumerate() {
-            *state = model
-                .friction()
-                .initial_state(&self.coefficients, node)
-                .unwrap_or_default();
+            let friction = model.friction();
+            *state = friction.initial_state(&self.coefficients, node);
         }
         if let Some(second) = &mut self.second {
             second.friction_state.clone_from(&self.main.friction_state);

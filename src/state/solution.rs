@@ -27,8 +27,8 @@ blocks! {
         normal_force: Motion[|s| s.normal()],
         /// Normal forces with which the body is in balance, N.
         normal_reaction: Motion[|s| s.normal()],
-        /// Displacement of the foundation towards the body, m.
-        approach: Motion[|s| usize::from(s.has_normal)],
+        /// Displacements of the foundations of all contacts towards the body, m.
+        approach: Motion[|s| if s.has_normal { s.contacts } else { 0 }],
         /// Velocities of the driven parts, m/s or rad/s.
         drive_velocity: Motion[|s| s.drives],
         /// What drives the driven parts and the foundation, N or N m; in balance.

@@ -6,7 +6,7 @@ use super::pressed::{Level, PressedStage};
 use super::slip_memory;
 use super::workspace::Workspace;
 use crate::body::Stage;
-use crate::contact::law::{LawBounds, PressedLaw};
+use crate::contact::law::{ContactBounds, PressedBoundsOf};
 use crate::contact::multiplicity::Multiplicity;
 use crate::contact::problem::norm;
 use crate::contact::solve::newton::linearisation::Linearisation;
@@ -85,7 +85,11 @@ pub(super) fn solve(
 }
 
 /// The first node of a solution where a formula gives no value that friction can have.
-fn fault_of_formula(at: &PressedStage, bounds: &PressedLaw, solution: &Instant) -> Option<Error> {
+fn fault_of_formula(
+    at: &PressedStage,
+    bounds: &PressedBoundsOf,
+    solution: &Instant,
+) -> Option<Error> {
     let components = at.model.contact().components;
     let mut rates = solution.slip_rate.chunks_exact(components).map(norm);
     let (node, found) = (0..at.slip.len()).find_map(|node| {
@@ -96,9 +100,11 @@ fn fault_of_formula(at: &PressedStage, bounds: &PressedLaw, solution: &Instant) 
         let found = bounds.fault(node, rates.next()?, solution.normal_force[node], slip);
         found.map(|found| (node, found))
     })?;
-    let path = at.model.friction().law().path(0);
+    let parts = at.model.friction().parts().iter();
+    let part = parts.rev().find(|part| node >= part.nodes.start)?;
+    let (path, own) = (part.law.path(0), node - part.nodes.start);
     Some(Error::Value {
-        what: format!("the value of {path} at contact node {node}"),
+        what: format!("the value of {path} at contact node {own}"),
         found,
         allowed: "a finite number >= 0",
     })
@@ -109,7 +115,7 @@ pub(super) fn problem<'a>(
     model: &'a Model,
     (stage, theta_k): (&'a Stage, f64),
     load: &'a [f64],
-    bounds: &'a LawBounds,
+    bounds: &'a ContactBounds,
     slip: &'a [f64],
 ) -> ContactProblem<'a> {
     ContactProblem {
@@ -214,7 +220,7 @@ pub(super) fn test_multiplicity(
     let slip = &ws.explicit.accumulated_slip;
     let found = multiplicity::test(
         &problem(model, at, &ws.condensed_load, &bounds, slip),
-        &bounds,
+        |node| bounds.extremes(node),
         settings.tolerance(),
         settings.max_iterations(),
         &ws.velocities[index].instant.slip_rate,

@@ -37,6 +37,7 @@ use super::sizes::Part;
 use super::velocity::Velocity;
 use super::workspace::{ControlWorkspace, Workspace};
 use crate::error::{Error, Result};
+use crate::fem::ContactPatch;
 use crate::linalg::dot;
 use crate::model::Model;
 use crate::state::{Instant, State, control, report};
@@ -250,10 +251,10 @@ fn error_of(
         components,
     );
     let burst = BURST / model.summary().rates[1];
-    let can_open = !model.contact().gaps.is_empty();
-    let meets = can_open
+    let meets = !model.contact().gaps.is_empty()
         && (part.size() < SUDDEN * burst
             || opens_or_meets(
+                model.contact(),
                 [&kept.main, &state.main].map(|solution| &solution.instant),
                 &middle.instant,
                 NOTICEABLE * contact_scale,
@@ -286,7 +287,12 @@ fn has_changed(before: &[f64], after: &[f64], components: usize) -> bool {
 }
 
 /// Whether a contact node opens, closes, or has closed just before: its normal velocity, more than `least`, then still jumps.
-fn opens_or_meets([before, after]: [&Instant; 2], middle: &Instant, least: f64) -> bool {
+fn opens_or_meets(
+    contact: &ContactPatch,
+    [before, after]: [&Instant; 2],
+    middle: &Instant,
+    least: f64,
+) -> bool {
     let is_closed = |instant: &Instant, node: usize| instant.normal_force[node] > 0.0;
     let changes = |node: usize| {
         let [start, middle_velocity] = [before, middle].map(|i| i.normal_velocity[node]);
@@ -296,7 +302,8 @@ fn opens_or_meets([before, after]: [&Instant; 2], middle: &Instant, least: f64) 
             || is_closed(middle, node) != is_closed(after, node)
             || (is_closed(before, node) && jump > least.max(JUMP * size))
     };
-    (0..before.normal_force.len()).any(changes)
+    let opening = contact.parts.iter().filter(|part| part.can_open);
+    opening.flat_map(|part| part.nodes.clone()).any(changes)
 }
 
 /// `(x.A x)^1/2`.

@@ -14,11 +14,13 @@ use super::tangent::Tangents;
 use crate::contact::problem::norm;
 use crate::error::{Error, Result};
 use crate::linalg::dot;
+use crate::model::motions::Approach;
 use crate::ports::Tangent as PortTangent;
 use crate::ports::readout;
 use crate::scene::Start;
 use crate::simulator::Simulator;
 use crate::state::State;
+use std::ops::Range;
 
 impl Simulator {
     /// Derivative of all outputs (as [`Simulator::get_outputs`] orders them) at the end of the last step by its inputs (with the
@@ -94,7 +96,7 @@ impl Simulator {
                 let approach = model.motions().approach(&t.load);
                 t.level = Level::Velocity {
                     approach,
-                    velocity: 0.0,
+                    velocity: Approach::NONE,
                 };
             }
             tangents.settle(model, state, ws, approach)?;
@@ -138,7 +140,7 @@ impl Simulator {
                 PortTangent::Linear => readout::read(self.model(), tangent, port, head),
                 PortTangent::Gap => {
                     readout::read(self.model(), tangent, port, head);
-                    let gaps = &self.model().contact().gaps;
+                    let gaps = &self.model().contact().gaps[port.nodes(self.model().contact())];
                     head.iter_mut().zip(gaps).for_each(|(d, gap)| *d -= gap);
                 }
                 PortTangent::Balance => {
@@ -148,16 +150,21 @@ impl Simulator {
                     }
                 }
                 PortTangent::Zero => head.fill(0.0),
-                PortTangent::LargestRate => head[0] = self.tangent_of_largest_rate(tangent),
+                PortTangent::LargestRate => {
+                    let nodes = port.nodes(self.model().contact());
+                    head[0] = self.tangent_of_largest_rate(tangent, nodes);
+                }
             }
         }
     }
 
-    fn tangent_of_largest_rate(&self, tangent: &State) -> f64 {
+    /// That of the largest slip rate of some of the contact nodes.
+    fn tangent_of_largest_rate(&self, tangent: &State, nodes: Range<usize>) -> f64 {
         let c = self.model().contact().components;
-        let rates = self.state().main.instant.slip_rate.chunks_exact(c);
+        let own = nodes.start * c..nodes.end * c;
+        let rates = self.state().main.instant.slip_rate[own.clone()].chunks_exact(c);
         let mut largest = (0.0, 0.0);
-        for (w, dw) in rates.zip(tangent.main.instant.slip_rate.chunks_exact(c)) {
+        for (w, dw) in rates.zip(tangent.main.instant.slip_rate[own].chunks_exact(c)) {
             let rate = norm(w);
             if rate > largest.0 {
                 largest = (rate, dot(w, dw) / rate);

@@ -1,12 +1,13 @@
 //! What a foundation that gives way stores: `E = sum_i omega_i c d_i^(m+1) / (m + 1)`, d the penetration of node i.
 
 use crate::model::Model;
+use crate::model::motions::Approach;
 use crate::scene::Condition;
 use crate::state::State;
 
-/// The energy, J; `approach` is the displacement of the foundation towards the body, m. 0 for one that is rigid.
-pub(crate) fn energy(model: &Model, state: &State, approach: f64) -> f64 {
-    sum(model, state, approach, |_, depth, exponent| {
+/// The energy, J; `approach` are the displacements of the foundations towards the body. 0 for one that is rigid.
+pub(crate) fn energy(model: &Model, state: &State, approach: Approach) -> f64 {
+    sum(model, state, approach, |_, _, depth, exponent| {
         depth.powf(exponent + 1.0) / (exponent + 1.0)
     })
 }
@@ -15,30 +16,38 @@ pub(crate) fn energy(model: &Model, state: &State, approach: f64) -> f64 {
 pub(crate) fn energy_slope(
     model: &Model,
     state: &State,
-    approach: f64,
-    (moves, approaches): (&[f64], f64),
+    approach: Approach,
+    (moves, approaches): (&[f64], Approach),
 ) -> f64 {
-    sum(model, state, approach, |node, depth, exponent| {
-        depth.powf(exponent) * (approaches - moves[node])
+    sum(model, state, approach, |contact, node, depth, exponent| {
+        depth.powf(exponent) * (approaches.of(contact) - moves[node])
     })
 }
 
-/// Sum over the nodes of weight times stiffness times a function of node, penetration and exponent.
-fn sum(model: &Model, state: &State, approach: f64, of: impl Fn(usize, f64, f64) -> f64) -> f64 {
-    let Condition::Compliance {
-        stiffness,
-        exponent,
-        ..
-    } = model.condition()
-    else {
-        return 0.0;
-    };
+/// Sum over the nodes of weight times stiffness times a function of contact, node, penetration and exponent.
+fn sum(
+    model: &Model,
+    state: &State,
+    approach: Approach,
+    of: impl Fn(usize, usize, f64, f64) -> f64,
+) -> f64 {
     let contact = model.contact();
-    let nodes = contact.gaps.iter().zip(&state.main.normal_displacement);
-    let nodes = nodes.zip(&contact.weights).enumerate();
-    let terms = nodes.map(|(node, ((gap, moved), weight))| {
-        let depth = (approach - gap - moved).max(0.0);
-        weight * stiffness * of(node, depth, *exponent)
+    let parts = contact.parts.iter().zip(model.conditions()).enumerate();
+    let sums = parts.map(|(index, (part, condition))| {
+        let Condition::Compliance {
+            stiffness,
+            exponent,
+            ..
+        } = condition
+        else {
+            return 0.0;
+        };
+        let terms = part.nodes.clone().map(|node| {
+            let moved = state.main.normal_displacement[node];
+            let depth = (approach.of(index) - contact.gaps[node] - moved).max(0.0);
+            contact.weights[node] * stiffness * of(index, node, depth, *exponent)
+        });
+        terms.sum::<f64>()
     });
-    terms.sum()
+    sums.fold(0.0, |sum, of| sum + of)
 }

@@ -22,7 +22,7 @@
 use super::workspace::LoadCourse;
 use crate::error::{Error, Result};
 use crate::model::Model;
-use crate::model::motions::{Drive, FoundationMotion};
+use crate::model::motions::{Approach, Drive};
 use crate::scene::{Inputs, Interpolation};
 use crate::state::{State, input_memory as memory};
 
@@ -131,19 +131,16 @@ pub(crate) fn start(model: &Model, state: &mut State) {
         }
     }
     let approach = model.motions().approach(&state.loads);
-    state.main.instant.approach.fill(approach);
+    approach.copy_to(&mut state.main.instant.approach);
     let velocities = &mut state.main.instant.drive_velocity;
     model.motions().drive_velocities(&state.loads, velocities);
 }
 
-/// Velocity of the foundation towards the body at the start: that of the slopes given.
-pub(crate) fn start_approach(model: &Model, state: &State) -> f64 {
+/// Velocities of the foundations towards the body at the start: those of the slopes given.
+pub(crate) fn start_approach(model: &Model, state: &State) -> Approach {
     let motions = model.motions();
-    let of = |(motion, moves): (usize, &FoundationMotion)| match moves.is_approach {
-        true => given_slope(state, motions.foundation_input(motion)).unwrap_or(0.0),
-        false => 0.0,
-    };
-    motions.foundation.iter().enumerate().map(of).sum()
+    motions
+        .approach_by(|motion| given_slope(state, motions.foundation_input(motion)).unwrap_or(0.0))
 }
 
 /// The inputs as set jump now; whether any of them does. Displacements cannot.

@@ -5,8 +5,8 @@
 //! a step for the bound, and the whole step for good. A node that is open ages at rest.
 
 use super::velocity::Velocity;
-use crate::contact::law::{Memory, MemoryPath};
-use crate::contact::{SlipPath, law::PressedLaw};
+use crate::contact::SlipPath;
+use crate::contact::law::{Memory, MemoryPath, PressedBoundsOf};
 use crate::model::Model;
 use crate::state::State;
 
@@ -69,7 +69,10 @@ impl Before {
 }
 
 /// The law of a stage with its memory, where it has one.
-pub(crate) fn remembering<'a>(law: PressedLaw<'a>, memory: Option<Memory<'a>>) -> PressedLaw<'a> {
+pub(crate) fn remembering<'a>(
+    law: PressedBoundsOf<'a>,
+    memory: Option<Memory<'a>>,
+) -> PressedBoundsOf<'a> {
     match memory {
         Some(memory) => law.remembering(memory),
         None => law,
@@ -128,7 +131,7 @@ fn along(
 
 /// Derivatives of the bounds at fixed slip rate and force by what the memory of the stage began with, N.
 pub(crate) fn bound_slopes(
-    (law, memory): (PressedLaw, &Memory),
+    (law, memory): (PressedBoundsOf, &Memory),
     velocity: &Velocity,
     slip_base: &[f64],
     theta_k: f64,

@@ -16,10 +16,11 @@ use crate::body::Stage;
 use crate::contact::multiplicity::Multiplicity;
 use crate::contact::pressed::tangent::PressedTangent;
 use crate::contact::pressed::{
-    NormalCondition, PressedBounds, PressedMultiplicity, PressedPoint, PressedProblem,
-    PressedSolution, PressedWorkspace, solve,
+    NormalCondition, NormalConditions, PressedBounds, PressedMultiplicity, PressedPoint,
+    PressedProblem, PressedSolution, PressedWorkspace, solve,
 };
 use crate::model::Model;
+use crate::model::motions::Approach;
 use crate::scene::Condition;
 use crate::state::Instant;
 
@@ -30,9 +31,22 @@ const CLOSED: f64 = 1e-10;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Level {
     /// The position that the velocity leads to in `rate` seconds, where the foundation has approached by `approach`.
-    Position { rate: f64, approach: f64 },
+    Position { rate: f64, approach: Approach },
     /// The velocity itself: the foundation has approached by `approach`, and does so with `velocity`.
-    Velocity { approach: f64, velocity: f64 },
+    Velocity {
+        approach: Approach,
+        velocity: Approach,
+    },
+}
+
+impl Level {
+    /// Growth of the gap by the normal velocity where contact is rigid, and where it gives way.
+    fn rates(&self) -> [f64; 2] {
+        match self {
+            Level::Position { rate, .. } => [*rate; 2],
+            Level::Velocity { .. } => [1.0, 0.0],
+        }
+    }
 }
 
 /// Scratch of the stages.
@@ -45,20 +59,43 @@ pub(crate) struct PressedScratch {
     gap_base: Vec<f64>,
     /// Stiffness of the foundation at every node, where it gives way.
     stiffness: Vec<f64>,
+    /// Condition of every node, where the contacts of the scene have different ones.
+    conditions: Vec<NormalCondition>,
     /// Scratch of the search for other solutions, where there is one.
     multiplicity: Option<PressedMultiplicity>,
+}
+
+/// What the solver calls a condition.
+fn condition_of(condition: &Condition) -> NormalCondition {
+    match condition {
+        Condition::Bilateral => NormalCondition::Bilateral,
+        Condition::Unilateral { .. } => NormalCondition::Unilateral,
+        Condition::Compliance { exponent, .. } => NormalCondition::Compliance {
+            exponent: *exponent,
+        },
+    }
 }
 
 impl PressedScratch {
     pub fn new(model: &Model) -> PressedScratch {
         let contact = model.contact();
         let len = contact.force_len();
-        let stiffness = match model.condition() {
-            Condition::Compliance { stiffness, .. } => {
-                contact.weights.iter().map(|w| w * stiffness).collect()
-            }
-            _ => Vec::new(),
-        };
+        let (mut stiffness, mut conditions) = (Vec::new(), Vec::new());
+        for (part, condition) in contact.parts.iter().zip(model.conditions()) {
+            let own = match condition {
+                Condition::Compliance { stiffness, .. } => *stiffness,
+                _ => 0.0,
+            };
+            stiffness.extend(contact.weights[part.nodes.clone()].iter().map(|w| w * own));
+            conditions.extend(part.nodes.clone().map(|_| condition_of(condition)));
+        }
+        let is_mixed = conditions.windows(2).any(|pair| pair[0] != pair[1]);
+        if !is_mixed {
+            conditions.clear();
+        }
+        if stiffness.iter().all(|stiffness: &f64| *stiffness == 0.0) {
+            stiffness.clear();
+        }
         PressedScratch {
             workspace: PressedWorkspace::new(contact.node_count(), contact.components),
             velocity: vec![0.0; len],
@@ -66,6 +103,7 @@ impl PressedScratch {
             reaction: vec![0.0; len],
             gap_base: vec![0.0; contact.node_count()],
             stiffness,
+            conditions,
             multiplicity: model
                 .has_multiplicity_test()
                 .then(|| PressedMultiplicity::new(contact.node_count(), contact.components)),
@@ -77,41 +115,42 @@ impl PressedScratch {
         &self.velocity
     }
 
-    /// Gap at the normal velocity 0, into `gap_base`, and its growth by the velocity.
+    /// Gap at the normal velocity 0, into `gap_base`, and its growth by the velocity where no condition of its own is given.
     fn set_gap(&mut self, model: &Model, displacement: &[f64], level: Level) -> f64 {
-        let gaps = &model.contact().gaps;
+        let contact = model.contact();
+        let gaps = &contact.gaps;
         let at = |node: usize| gaps.get(node).copied().unwrap_or(0.0) + displacement[node];
-        match level {
-            Level::Position { rate, approach } => {
-                for (node, base) in self.gap_base.iter_mut().enumerate() {
-                    *base = at(node) - approach;
+        for (index, (part, condition)) in contact.parts.iter().zip(model.conditions()).enumerate() {
+            let nodes = part.nodes.clone();
+            match (level, condition) {
+                (Level::Velocity { velocity, .. }, Condition::Bilateral) => {
+                    self.gap_base[nodes].fill(-velocity.of(index));
                 }
-                rate
-            }
-            Level::Velocity { approach, velocity } => match model.condition() {
-                Condition::Bilateral => {
-                    self.gap_base.fill(-velocity);
-                    1.0
-                }
-                Condition::Unilateral { .. } => {
-                    let sizes = (0..self.gap_base.len()).map(|node| {
+                (Level::Velocity { approach, velocity }, Condition::Unilateral { .. }) => {
+                    let (approach, velocity) = (approach.of(index), velocity.of(index));
+                    let sizes = nodes.clone().map(|node| {
                         let gap = gaps.get(node).copied().unwrap_or(0.0);
                         gap.abs().max(displacement[node].abs())
                     });
                     let size = sizes.fold(approach.abs(), f64::max);
-                    for (node, base) in self.gap_base.iter_mut().enumerate() {
+                    for node in nodes {
                         let is_closed = at(node) - approach <= CLOSED * size;
-                        *base = if is_closed { -velocity } else { f64::INFINITY };
+                        self.gap_base[node] = if is_closed { -velocity } else { f64::INFINITY };
                     }
-                    1.0
                 }
-                Condition::Compliance { .. } => {
-                    for (node, base) in self.gap_base.iter_mut().enumerate() {
-                        *base = at(node) - approach;
+                (Level::Position { approach, .. }, _)
+                | (Level::Velocity { approach, .. }, Condition::Compliance { .. }) => {
+                    let approach = approach.of(index);
+                    for node in nodes {
+                        self.gap_base[node] = at(node) - approach;
                     }
-                    0.0
                 }
-            },
+            }
+        }
+        let [rigid, yielding] = level.rates();
+        match (&model.conditions()[0], &self.conditions[..]) {
+            (Condition::Compliance { .. }, []) => yielding,
+            _ => rigid,
         }
     }
 
@@ -132,10 +171,11 @@ impl PressedScratch {
             reaction,
             gap_base,
             stiffness,
+            conditions,
             ..
         } = self;
         let solution = solve(
-            &at.problem(gap_base, gap_rate, stiffness),
+            &at.problem((gap_base, gap_rate), stiffness, conditions),
             tolerance,
             max_iterations,
             contact_velocity,
@@ -152,7 +192,8 @@ impl PressedScratch {
     /// Other solutions of the stage that was solved last, where the scene asks for them.
     pub fn search(&mut self, at: &PressedStage, limits: (f64, usize)) -> Option<Multiplicity> {
         let gap_rate = self.set_gap(at.model, at.displacement, at.level);
-        let problem = at.problem(&self.gap_base, gap_rate, &self.stiffness);
+        let gap = (&self.gap_base[..], gap_rate);
+        let problem = at.problem(gap, &self.stiffness, &self.conditions);
         let search = self.multiplicity.as_mut()?;
         Some(search.search(&problem, limits, &self.velocity, &self.force))
     }
@@ -165,7 +206,8 @@ impl PressedScratch {
     ) -> (PressedTangent, PressedProblem<'a>) {
         let gap_rate = self.set_gap(at.model, at.displacement, at.level);
         self.gather(at.model, solution);
-        let problem = at.problem(&self.gap_base, gap_rate, &self.stiffness);
+        let gap = (&self.gap_base[..], gap_rate);
+        let problem = at.problem(gap, &self.stiffness, &self.conditions);
         let tangent = PressedTangent::new(&problem, &self.velocity, &self.force);
         (tangent, problem)
     }
@@ -216,9 +258,9 @@ pub(crate) struct PressedStage<'a> {
 impl<'a> PressedStage<'a> {
     fn problem<'b>(
         &'b self,
-        gap_base: &'b [f64],
-        gap_rate: f64,
+        (gap_base, gap_rate): (&'b [f64], f64),
         stiffness: &'b [f64],
+        conditions: &'b [NormalCondition],
     ) -> PressedProblem<'b>
     where
         'a: 'b,
@@ -233,12 +275,9 @@ impl<'a> PressedStage<'a> {
             bounds: self.bounds,
             slip_base: self.slip,
             theta_k: self.theta_k,
-            condition: match self.model.condition() {
-                Condition::Bilateral => NormalCondition::Bilateral,
-                Condition::Unilateral { .. } => NormalCondition::Unilateral,
-                Condition::Compliance { exponent, .. } => NormalCondition::Compliance {
-                    exponent: *exponent,
-                },
+            conditions: match conditions {
+                [] => condition_of(&self.model.conditions()[0]).into(),
+                nodal => NormalConditions::Nodal(nodal, self.level.rates()[1]),
             },
             stiffness,
             gap_base,
@@ -250,17 +289,20 @@ impl<'a> PressedStage<'a> {
 impl Level {
     /// Derivative of the gap at the normal velocity 0, into `out`, from those of the normal displacements and, in `self`, of the
     /// approach and its velocity.
-    pub fn gap_slopes(&self, condition: &Condition, displacement: &[f64], out: &mut [f64]) {
-        match (self, condition) {
-            (
-                Level::Velocity { velocity, .. },
-                Condition::Bilateral | Condition::Unilateral { .. },
-            ) => {
-                out.fill(-velocity);
-            }
-            (Level::Position { approach, .. } | Level::Velocity { approach, .. }, _) => {
-                for (out, moved) in out.iter_mut().zip(displacement) {
-                    *out = moved - approach;
+    pub fn gap_slopes(&self, model: &Model, displacement: &[f64], out: &mut [f64]) {
+        let parts = model.contact().parts.iter().zip(model.conditions());
+        for (index, (part, condition)) in parts.enumerate() {
+            match (self, condition) {
+                (
+                    Level::Velocity { velocity, .. },
+                    Condition::Bilateral | Condition::Unilateral { .. },
+                ) => {
+                    out[part.nodes.clone()].fill(-velocity.of(index));
+                }
+                (Level::Position { approach, .. } | Level::Velocity { approach, .. }, _) => {
+                    for node in part.nodes.clone() {
+                        out[node] = displacement[node] - approach.of(index);
+                    }
                 }
             }
         }

@@ -6,7 +6,8 @@ use super::velocity::Velocity;
 use super::workspace::{Explicit, Workspace};
 use crate::linalg::{add_scaled, dot};
 use crate::model::Model;
-use crate::model::motions::Motions;
+use crate::model::motions::{Approach, Motions};
+use crate::scene::MAX_CONTACTS;
 use crate::state::{Instant, State, energy};
 
 /// `p = u_n + k sum_j a_j w_j`, for the displacement of the body, that of its contact nodes along their normals, those of driven
@@ -114,7 +115,7 @@ pub(crate) fn add_energies(model: &Model, state: &mut State, ws: &mut Workspace,
     let loads = &mean.load[..motions.loads()];
     let mut external = dot(loads, &mean.instant.output_velocity);
     if !motions.is_empty() {
-        let approach = (ws.approach[1] - ws.approach[0]) / k;
+        let approach = Approach::rate(ws.approach[0], ws.approach[1], k);
         external += power_of_motions(motions, &mean.load, &mean.instant, approach);
         let own: [&[f64]; 2] = [&mean.load, &mean.instant.output_velocity];
         viscous += motions.viscous_product(own, own);
@@ -140,25 +141,25 @@ pub(crate) fn add_energies(model: &Model, state: &mut State, ws: &mut Workspace,
     }
 }
 
-/// Power of what drives the driven parts and moves the foundation; `approach` is the velocity of the latter towards the body.
+/// Power of what drives the driven parts and moves the foundations; `approach` are the velocities of the latter towards the body.
 pub(crate) fn power_of_motions(
     motions: &Motions,
     inputs: &[f64],
     instant: &Instant,
-    approach: f64,
+    approach: Approach,
 ) -> f64 {
     let drives = instant.drive_force.iter().enumerate();
     let driven = drives.map(|(drive, force)| force * inputs[motions.drive_input(drive)]);
     let moves = instant.foundation_force.iter().zip(&motions.foundation);
-    let (mut moved, mut approached) = (0.0, 0.0);
+    let (mut moved, mut approached) = (0.0, [0.0; MAX_CONTACTS]);
     for (at, (force, motion)) in moves.enumerate() {
         match motion.is_approach {
-            // all of them have the same force, and share the velocity
-            true => approached = force * approach,
+            // all those of a contact have the same force, and share the velocity
+            true => approached[motion.contact] = force * approach.of(motion.contact),
             false => moved += force * inputs[motions.foundation_input(at)],
         }
     }
-    driven.sum::<f64>() + moved + approached
+    driven.sum::<f64>() + moved + approached.iter().sum::<f64>()
 }
 
 /// Appends the instant to the ring of the past.

@@ -113,7 +113,7 @@ impl Relative {
         body.correct(stage, contact, reaction, of_body, scratch);
         body.outputs(of_body, seen);
         velocity.load.copy_from_slice(inputs);
-        approach.fill(motions.approach(inputs));
+        motions.approach(inputs).copy_to(approach);
         if motions.is_empty() {
             return;
         }

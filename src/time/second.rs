@@ -9,6 +9,7 @@ use super::stage::{settle, solve_end, solve_stages};
 use super::workspace::Workspace;
 use crate::error::Result;
 use crate::model::Model;
+use crate::model::motions::Approach;
 use crate::state::State;
 
 /// The second solution starts at the main one.
@@ -26,7 +27,7 @@ pub(crate) fn follow_jump(
     model: &Model,
     state: &mut State,
     ws: &mut Workspace,
-    approach: f64,
+    approach: Approach,
 ) -> Result<()> {
     follow_with(model, state, |state| settle(model, state, ws, approach))
 }

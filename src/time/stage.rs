@@ -10,6 +10,7 @@ use super::slip_memory;
 use super::workspace::Workspace;
 use crate::error::{Error, Result};
 use crate::model::Model;
+use crate::model::motions::Approach;
 use crate::scene::{Condition, Start};
 use crate::state::{State, report};
 
@@ -22,7 +23,7 @@ pub(crate) fn settle(
     model: &Model,
     state: &mut State,
     ws: &mut Workspace,
-    approach: f64,
+    approach: Approach,
 ) -> Result<()> {
     if model.start() == Start::Zero {
         return Ok(());
@@ -32,7 +33,12 @@ pub(crate) fn settle(
 }
 
 /// The same for the inputs in `ws.load`.
-fn settle_at(model: &Model, state: &mut State, ws: &mut Workspace, approach: f64) -> Result<()> {
+fn settle_at(
+    model: &Model,
+    state: &mut State,
+    ws: &mut Workspace,
+    approach: Approach,
+) -> Result<()> {
     ws.explicit.follow(state);
     ws.velocities[0].load_from(state);
     let level = Level::Velocity {
@@ -66,8 +72,9 @@ pub(crate) fn solve_stages(
     ws.approach[0] = motions.approach(&ws.load);
     ws.velocities[0].load.copy_from_slice(&ws.load);
     companion.begin(at(0.0));
-    let is_at_end = !model.tableau().ends_with_stage()
-        && !matches!(model.condition(), Condition::Compliance { .. });
+    // where one contact gives way all do, with a rule whose stages have means only
+    let gives_way = matches!(model.conditions()[0], Condition::Compliance { .. });
+    let is_at_end = !model.tableau().ends_with_stage() && !gives_way;
     let mut before = 0.0;
     for (i, stage) in model.tableau().stages().iter().enumerate() {
         let (index, fraction) = (i + 1, at(stage.instant));
@@ -125,7 +132,7 @@ pub(crate) fn solve_end(
         return Ok(());
     }
     ws.course.at(at, &mut ws.load);
-    let approach = (ws.approach[1] - ws.approach[0]) / k;
+    let approach = Approach::rate(ws.approach[0], ws.approach[1], k);
     settle_at(model, state, ws, approach)
 }
 

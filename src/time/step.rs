@@ -30,6 +30,7 @@ use super::stage::{settle, solve_end, solve_stages};
 use super::workspace::Workspace;
 use crate::error::Result;
 use crate::model::Model;
+use crate::model::motions::Approach;
 use crate::state::State;
 
 /// Advances `state` by one communication step of `h`; what its inputs mean is part of it.
@@ -109,8 +110,9 @@ fn apply_jumps(model: &Model, state: &mut State, ws: &mut Workspace, h: f64) -> 
     state.needs_settling = 0;
     ws.has_settled = !is_settled;
     if !is_settled && (model.tableau().uses_start_velocity() || model.tolerance().is_some()) {
-        let approach = |inputs: &[f64]| model.motions().approach(inputs);
-        let rate = (approach(&ws.course.end) - approach(&ws.course.start)) / h;
+        let ends = [&ws.course.start, &ws.course.end];
+        let [from, to] = ends.map(|inputs| model.motions().approach(inputs));
+        let rate = Approach::rate(from, to, h);
         ws.limit.expect(1 + u64::from(model.has_error_estimate()));
         settle(model, state, ws, rate)?;
         second::follow_jump(model, state, ws, rate)?;

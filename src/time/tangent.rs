@@ -14,6 +14,7 @@ use crate::contact::solve::tangent::FrictionTangent;
 use crate::error::Result;
 use crate::linalg::multiply;
 use crate::model::Model;
+use crate::model::motions::Approach;
 use crate::state::State;
 use faer::MatRef;
 
@@ -29,7 +30,7 @@ pub(super) struct Tangent {
     pub load: Vec<f64>,
     /// Of what the gap is a condition on, and of the approach of the foundation at both ends of the internal step.
     pub level: Level,
-    pub approach: [f64; 2],
+    pub approach: [Approach; 2],
     /// State and velocity at the start of a part that may be refused.
     pub kept: (State, Velocity),
 }
@@ -63,10 +64,10 @@ impl Tangents {
             load: seed.clone(),
             seed,
             level: Level::Velocity {
-                approach: 0.0,
-                velocity: 0.0,
+                approach: Approach::NONE,
+                velocity: Approach::NONE,
             },
-            approach: [0.0; 2],
+            approach: [Approach::NONE; 2],
             kept: (State::without_history(model), Velocity::new(model)),
         };
         Tangents {
@@ -88,7 +89,7 @@ impl Tangents {
         model: &Model,
         state: &State,
         ws: &mut Workspace,
-        approach: f64,
+        approach: Approach,
     ) -> Result<()> {
         ws.velocities[0].load_from(state);
         ws.explicit
@@ -99,7 +100,7 @@ impl Tangents {
             .copy_from_slice(&state.main.normal_displacement);
         let level = Level::Velocity {
             approach,
-            velocity: 0.0,
+            velocity: Approach::NONE,
         };
         self.solve(model, state, ws, (0.0, level, Span::NOTHING), 0)
     }
@@ -182,9 +183,7 @@ impl Tangents {
                 }
                 ContactTangent::Pressed(friction, problem) => {
                     let moved = &tangent.explicit.normal_displacement;
-                    tangent
-                        .level
-                        .gap_slopes(model.condition(), moved, &mut self.gap);
+                    tangent.level.gap_slopes(model, moved, &mut self.gap);
                     friction.apply(
                         problem,
                         &mut Derivatives {

@@ -10,6 +10,7 @@ use crate::body::BodyModel;
 use crate::error::Result;
 use crate::linalg::dot;
 use crate::model::Model;
+use crate::model::motions::Approach;
 use crate::scene::Start;
 use crate::state::{State, energy};
 
@@ -30,7 +31,7 @@ impl Companion for Tangents {
                 let [start, end] = [&t.course.start, &t.course.end].map(|at| motions.approach(at));
                 t.level = Level::Velocity {
                     approach: start,
-                    velocity: (end - start) / ws.course.size,
+                    velocity: Approach::rate(start, end, ws.course.size),
                 };
             }
             let approach = motions.approach(&ws.course.start);
@@ -112,7 +113,7 @@ impl Companion for Tangents {
             t.explicit.follow(&t.state);
             t.level = Level::Velocity {
                 approach: t.approach[1],
-                velocity: (t.approach[1] - t.approach[0]) / k,
+                velocity: Approach::rate(t.approach[0], t.approach[1], k),
             };
         }
         self.settle(model, state, ws, ws.approach[1])?;
@@ -146,7 +147,7 @@ impl Companion for Tangents {
                 + dot(&loads(&d.load), &mean.instant.output_velocity);
             let (mut viscous, mut elastic) = (viscous, elastic);
             if !motions.is_empty() {
-                let rate = |ends: [f64; 2]| (ends[1] - ends[0]) / k;
+                let rate = |ends: [Approach; 2]| Approach::rate(ends[0], ends[1], k);
                 let (approach, approaches) = (rate(ws.approach), rate(t.approach));
                 external += power_of_motions(motions, &mean.load, &d.instant, approach)
                     + power_of_motions(motions, &d.load, &mean.instant, approaches);

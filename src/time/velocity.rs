@@ -6,6 +6,7 @@ use crate::linalg::add_scaled;
 use crate::model::Model;
 use crate::state::layout::Blocks;
 use crate::state::{Instant, State};
+use std::ops::Range;
 
 /// Rates and forces at one instant of a step, with what is made of them and the loads.
 pub(crate) struct Velocity {
@@ -16,9 +17,10 @@ pub(crate) struct Velocity {
     pub load: Vec<f64>,
     /// State of the friction law there, where it has one.
     pub friction_state: Vec<f64>,
+    /// Nodes of the contacts that can open.
+    opening: Vec<Range<usize>>,
     /// Fading memory of slip there, m, where the law has a kernel: its terms, node by node.
     pub slip_memory: Vec<f64>,
-    can_open: bool,
 }
 
 impl Velocity {
@@ -29,8 +31,11 @@ impl Velocity {
             magnitude: vec![0.0; sizes.nodes],
             load: vec![0.0; sizes.inputs],
             friction_state: vec![0.0; sizes.memory()],
+            opening: (model.contact().parts.iter())
+                .filter(|part| part.can_open)
+                .map(|part| part.nodes.clone())
+                .collect(),
             slip_memory: vec![0.0; sizes.slip_memory()],
-            can_open: !model.contact().gaps.is_empty(),
         }
     }
 
@@ -50,8 +55,9 @@ impl Velocity {
         for (to, w) in self.magnitude.iter_mut().zip(rates) {
             *to = norm(w);
         }
-        if self.can_open {
-            let forces = self.magnitude.iter_mut().zip(&self.instant.normal_force);
+        for nodes in &self.opening {
+            let forces = &self.instant.normal_force[nodes.clone()];
+            let forces = self.magnitude[nodes.clone()].iter_mut().zip(forces);
             for (to, _) in forces.filter(|(_, force)| **force <= 0.0) {
                 *to = 0.0;
             }

@@ -12,6 +12,7 @@ use crate::contact::solve::fixed_point::FixedPointWorkspace;
 use crate::contact::solve::multiplicity::MultiplicityWorkspace;
 use crate::contact::solve::newton;
 use crate::model::Model;
+use crate::model::motions::Approach;
 use crate::state::State;
 
 /// Where an input bends within a communication step.
@@ -147,8 +148,8 @@ pub(crate) struct Workspace {
     pub relative: Relative,
     /// Whether the velocity followed a jump at the beginning of the communication step.
     pub has_settled: bool,
-    /// Displacement of the foundation towards the body at the beginning and at the end of the internal step.
-    pub approach: [f64; 2],
+    /// Displacements of the foundations towards the body at the beginning and at the end of the internal step.
+    pub approach: [Approach; 2],
     /// Scratch of the solver with pressure, where there is one.
     pub pressed: Option<PressedScratch>,
     /// What the memory of the friction law begins with in the stage that is solved.
@@ -181,7 +182,7 @@ impl Workspace {
             multiplicity: MultiplicityWorkspace::new(own_nodes, own_len),
             relative: Relative::new(model),
             has_settled: false,
-            approach: [0.0; 2],
+            approach: [Approach::NONE; 2],
             pressed: contact.has_normal.then(|| PressedScratch::new(model)),
             before: Before::new(model),
             velocities: std::array::from_fn(|_| Velocity::new(model)),

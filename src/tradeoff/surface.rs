@@ -51,7 +51,6 @@ impl Surface {
     /// # Errors
     /// [`Error::Scene`] when the mesh has no such part; not for a body of this scene.
     pub fn of(scene: &Scene, body: &Body) -> Result<Surface> {
-        let faces = body.mesh.faces(&scene.contact.part, "contact.part")?;
         let face = |nodes: &[u32]| Face {
             element: body.mesh.element,
             corners: nodes
@@ -61,8 +60,13 @@ impl Surface {
                 .collect(),
             nodes: nodes.iter().map(|&n| body.dofs.contact_index(n)).collect(),
         };
+        let mut faces = Vec::new();
+        for contact in scene.contacts() {
+            let path = format!("{}.part", contact.path);
+            faces.extend(body.mesh.faces(&contact.part, &path)?.map(face));
+        }
         Ok(Surface {
-            faces: faces.map(face).collect(),
+            faces,
             contact: body.contact.clone(),
         })
     }
@@ -151,7 +155,7 @@ impl Face {
     /// Shares of the nodes in the value at a place.
     fn values(&self, place: &[f64], kind: Kind) -> Vec<f64> {
         let OnContact::Nodes { shape, between } = self.element.contact else {
-            // such an element has no contact nodes
+            // such an element is not studied
             return Vec::new();
         };
         let value = match kind {

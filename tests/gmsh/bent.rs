@@ -66,7 +66,8 @@ fn held(kind: Option<ElementKind>) -> Scene {
     let mut scene = paper(GMSH);
     scene.element = kind;
     scene.clamped = vec!["bottom".into()];
-    scene.contact.part = "top".into();
+    let contact = scene.contact.as_mut().expect("one contact");
+    contact.part = "top".into();
     scene.loads.clear();
     scene.run.signals.clear();
     scene.probes.clear();

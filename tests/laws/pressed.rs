@@ -278,7 +278,7 @@ fn coulombs_law_reads_back_as_it_was_written() {
         r#"{"law":"bound","bound":{"kind":"exponential","static":0.4,"kinetic":0.1,"decay":2.0}}"#,
     ] {
         let scene = friction(text).unwrap();
-        let written = serde_json::to_string(&scene.contact.friction).unwrap();
+        let written = serde_json::to_string(&scene.contacts()[0].friction).unwrap();
         assert_eq!(written, text);
         assert_eq!(Scene::from_json(&scene.to_json(), "again").unwrap(), scene);
     }

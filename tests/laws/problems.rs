@@ -179,7 +179,8 @@ fn a_second_solution_is_found_where_the_bound_rises_again() {
         for accepted in [[0.0], slipping] {
             assert!(numbers.violation(&bounds, &accepted) <= 1e-9);
             let mut ws = MultiplicityWorkspace::new(1, 1);
-            let found = multiplicity::test(&problem, &bounds, TOLERANCE, 100, &accepted, &mut ws);
+            let extremes = |node| bounds.extremes(node);
+            let found = multiplicity::test(&problem, extremes, TOLERANCE, 100, &accepted, &mut ws);
             assert_eq!(found.solutions, 2, "{:?}", chosen.start());
             assert!((found.gap - slipping[0]).abs() < 1e-9);
         }

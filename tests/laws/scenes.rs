@@ -113,7 +113,7 @@ fn friction_reads_back_as_it_was_written() {
             let friction = text(&draw(law, &mut random, fields));
             let scene = paper(8, &[("contact.friction", &friction)]);
             assert_eq!(
-                serde_json::to_string(&scene.contact.friction).unwrap(),
+                serde_json::to_string(&scene.contacts()[0].friction).unwrap(),
                 friction
             );
             let again = Scene::from_json(&scene.to_json(), "again").unwrap();

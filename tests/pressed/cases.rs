@@ -85,7 +85,7 @@ impl Case {
             bounds: &bounds,
             slip_base: &self.slip_base,
             theta_k: self.theta_k,
-            condition: self.condition,
+            conditions: self.condition.into(),
             stiffness: &self.stiffness,
             gap_base: &self.gap_base,
             gap_rate: self.gap_rate,

@@ -127,7 +127,6 @@ fn meshes_and_parts() {
         "brake_pad_3d",
         &[
             (r#""part": "back""#, r#""part": "rear""#, "loads[1].part", "\"rear\"", "top, back, front"),
-            ("[16, 3, 8]},", r#"[16, 3, 8]}, "element": "p2","#, "element", "\"p2\" in 3 dimensions", "vanish at its vertices"),
             ("[16, 3, 8]", r#"[16, 3, 8], "refine": []"#, "mesh.refine", "unknown key", "cells, grading, kind, periodic, regions, size"),
             ("[16, 3, 8]", r#"[16, 3, 8], "grading": [1, 1]"#, "mesh.grading", "[1,1]", "an array of 3"),
             ("[16, 3, 8]", r#"[16, 3, 8], "grading": [1, 2, 20]"#, "mesh.grading[2]", "20, whose first cell is", "at most 11.1"),

@@ -15,7 +15,7 @@ fn keys() {
     assert_edits_refused(
         "kazmi2014",
         &[
-            (r#""element": "p1","#, r#""elemnt": "p1","#, "elemnt", "unknown key \"elemnt\"", "clamped, contact, driven, element"),
+            (r#""element": "p1","#, r#""elemnt": "p1","#, "elemnt", "unknown key \"elemnt\"", "clamped, contact, contacts, driven, element"),
             (r#""alpha": 100"#, r#""alhpa": 100"#, "contact.friction.alhpa", "unknown key \"alhpa\"", "a, alpha, b, law"),
             (r#""size""#, r#""sizes""#, "mesh.sizes", "unknown key", "cells, grading, kind, periodic, refine, regions, size"),
             (r#""mu1""#, r#""nu1""#, "material.viscosity.nu1", "unknown key", "law, mu1, mu2"),
@@ -165,7 +165,7 @@ fn names_and_signals() {
     assert_edits_refused(
         "kazmi2014",
         &[
-            (r#""tip""#, r#""press""#, "probes[0].name", "the same as loads[0].name", "no other load, probe or motion"),
+            (r#""tip""#, r#""press""#, "probes[0].name", "the same as loads[0].name", "no other load, probe, contact or motion"),
             (r#""tip""#, r#""""#, "probes[0].name", "\"\"", word),
             (r#""tip""#, r#""2nd""#, "probes[0].name", "2nd", word),
             (r#""tip""#, r#""the tip""#, "probes[0].name", "the tip", word),

@@ -99,6 +99,10 @@ fn dofs_with_multipliers(cells: u32) -> Result<usize, Failure> {
     let scene = example::scene(&example::sizes(cells, cells))?;
     let failed = Failure::of(example::NAME);
     let mesh = Mesh::generate(&scene.mesh).map_err(&failed)?;
-    let edges = mesh.faces(&scene.contact.part, "contact.part");
-    Ok(2 * (mesh.nodes.len() + edges.map_err(&failed)?.count()))
+    let mut edges = 0;
+    for contact in scene.contacts() {
+        let of_part = mesh.faces(&contact.part, "contact.part");
+        edges += of_part.map_err(&failed)?.count();
+    }
+    Ok(2 * (mesh.nodes.len() + edges))
 }

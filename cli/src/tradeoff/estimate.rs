@@ -118,7 +118,7 @@ fn steps(scene: &Scene) -> f64 {
 /// Nodes of the mesh and tangential contact components.
 fn sizes(scene: &Scene) -> (f64, f64) {
     let element = scene.element_table();
-    let extent = element.and_then(|e| Some((e, scene.mesh.extent(e, &scene.contact.part)?)));
+    let extent = element.and_then(|e| Some((e, scene.extent(e)?)));
     // a study takes generated meshes alone
     extent.map_or((0.0, 0.0), |(element, extent)| {
         let components = element.dimension - 1;

@@ -51,7 +51,7 @@ fn header() -> Vec<String> {
 /// Nodes of a generated mesh; no other is studied.
 fn nodes(scene: &Scene) -> String {
     let element = scene.element_table();
-    let extent = element.and_then(|e| scene.mesh.extent(e, &scene.contact.part));
+    let extent = element.and_then(|e| scene.extent(e));
     extent
         .map(|extent| extent.nodes.to_string())
         .unwrap_or_default()

@@ -5,6 +5,7 @@ use super::drawing::{Frame, OBLIQUE, Point, arrow, axes, path, project, text};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use stickslip::Model;
+use stickslip::fem::{ContactPart, ContactPatch};
 use stickslip::mesh::Mesh;
 use stickslip::scene::{DrivenDirection, Foundation, LoadKind};
 
@@ -215,9 +216,22 @@ fn motions(frame: &Frame, mesh: &Mesh, model: &Model) -> String {
             };
         }
     }
-    let contact = model.contact();
-    let middle = contact.node_count() / 2;
-    for (i, motion) in model.scene().contact.foundation.iter().enumerate() {
+    for (placed, part) in model.scene().contacts().iter().zip(&model.contact().parts) {
+        svg += &motions_of(frame, model.contact(), part, &placed.foundation);
+    }
+    svg
+}
+
+/// The same of the foundation of one contact.
+fn motions_of(
+    frame: &Frame,
+    contact: &ContactPatch,
+    part: &ContactPart,
+    motions: &[Foundation],
+) -> String {
+    let mut svg = String::new();
+    let middle = part.nodes.start + part.nodes.len() / 2;
+    for (i, motion) in motions.iter().enumerate() {
         // on the side of the foundation, one below the other
         let beside = 22.0 * (i + 1) as f64;
         let out = along(&contact.normals[middle].map(|n| -n)).map(|x| beside * x / ARROW);
@@ -259,15 +273,23 @@ fn probes(frame: &Frame, model: &Model) -> String {
     svg
 }
 
-/// Numbers of the first and the last contact node, on that side of the contact that is away from the body.
+/// Numbers of the first and the last node of every contact, on that side of the contact that is away from the body.
 fn numbers(frame: &Frame, model: &Model) -> String {
-    let points: Vec<Point> = model.contact().points.iter().map(|p| frame.at(p)).collect();
+    let contact = model.contact();
+    let parts = contact.parts.iter();
+    parts.map(|part| numbers_of(frame, contact, part)).collect()
+}
+
+fn numbers_of(frame: &Frame, contact: &ContactPatch, part: &ContactPart) -> String {
+    let points = contact.points[part.nodes.clone()].iter();
+    let points: Vec<Point> = points.map(|p| frame.at(p)).collect();
     let count = points.len() as f64;
     let away =
         [0, 1].map(|i| points.iter().map(|p| p[i]).sum::<f64>() / count - frame.size[i] / 2.0);
     let share = 18.0 / away[0].hypot(away[1]).max(f64::MIN_POSITIVE);
+    let (first, last) = (part.nodes.start + 1, part.nodes.end);
     let mut svg = String::new();
-    for (number, point) in [(1, points.first()), (points.len(), points.last())] {
+    for (number, point) in [(first, points.first()), (last, points.last())] {
         if let Some([x, y]) = point {
             let place = [x + share * away[0], y + share * away[1] + 5.0];
             svg += &text(place, "middle", CONTACT, &number.to_string());

@@ -3,7 +3,7 @@
 use super::coulomb::Coulomb;
 use super::formula::Formula;
 use super::{
-    At, Coefficients, FrictionLaw, Given, Law, MemoryPath, Misfit, Place, PressedLaw, Role,
+    At, Coefficients, FrictionLaw, Given, Law, MemoryPath, Misfit, PATH, Place, PressedLaw, Role,
     SlipKernel, Wrong,
 };
 use crate::contact::bounds::Bounds;
@@ -18,6 +18,8 @@ pub struct ChosenLaw {
     places: Vec<Place>,
     start: Vec<f64>,
     formula: Option<Formula>,
+    /// Where the coefficients stand in the scene.
+    path: String,
     kernel: SlipKernel,
 }
 
@@ -74,10 +76,21 @@ impl ChosenLaw {
             places,
             start,
             formula,
+            path: PATH.to_owned(),
             kernel: SlipKernel::default(),
         };
         law.kind().check(chosen.coefficients(&chosen.start))?;
         Ok(chosen)
+    }
+
+    /// The same with its coefficients at another place of the scene.
+    pub fn placed(self, path: String) -> ChosenLaw {
+        ChosenLaw { path, ..self }
+    }
+
+    /// Where the scene has a coefficient, which is also the name of its port.
+    pub fn path(&self, coefficient: usize) -> String {
+        self.law.path_in(&self.path, coefficient)
     }
 
     /// The same with a fading memory of slip in place of the accumulated slip.
@@ -120,8 +133,12 @@ impl ChosenLaw {
     /// Whether the law is solved with normal forces: its bounds depend on them, or have no potential. Then [`ChosenLaw::pressed`]
     /// has the bounds, and [`ChosenLaw::with`] only what the law says of its coefficient of friction, or NaN.
     pub fn needs_pressure(&self) -> bool {
-        let is_coulomb = matches!(self.law.role(), Role::Coulomb { .. });
-        is_coulomb || !self.law.kind().has_potential()
+        self.is_coulomb() || !self.law.kind().has_potential()
+    }
+
+    /// Whether it is Coulomb's law.
+    pub fn is_coulomb(&self) -> bool {
+        matches!(self.law.role(), Role::Coulomb { .. })
     }
 
     /// Whether the law is a formula, whose value at a solution is to be checked with [`PressedLaw::fault`].
@@ -200,7 +217,7 @@ impl ChosenLaw {
     pub fn check(&self, values: &[f64]) -> Result<()> {
         self.check_values(values)?;
         let misfit = self.law.kind().check(self.coefficients(values));
-        misfit.map_err(|misfit| self.law.refusal(misfit))
+        misfit.map_err(|misfit| self.law.refusal(&self.path, misfit))
     }
 
     /// Refuses numbers that are out of the ranges of their coefficients.
@@ -210,10 +227,18 @@ impl ChosenLaw {
     pub fn check_values(&self, values: &[f64]) -> Result<()> {
         for (coefficient, place) in self.places.iter().enumerate() {
             for value in &values[place.range()] {
-                self.law.check_value(coefficient, *value)?;
+                self.check_value(coefficient, *value)?;
             }
         }
         Ok(())
+    }
+
+    /// Refuses a number that is out of the range of its coefficient.
+    ///
+    /// # Errors
+    /// [`crate::Error::Value`].
+    pub fn check_value(&self, coefficient: usize, value: f64) -> Result<()> {
+        self.law.check_value(&self.path, coefficient, value)
     }
 }
 

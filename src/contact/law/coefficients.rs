@@ -240,6 +240,14 @@ impl Place {
         }
     }
 
+    /// The same in a list in which the numbers begin further on.
+    pub fn shifted(self, by: usize) -> Place {
+        Place {
+            first: self.first + by,
+            ..self
+        }
+    }
+
     /// Places in the list of all numbers.
     pub fn range(&self) -> std::ops::Range<usize> {
         self.first..self.first + self.len

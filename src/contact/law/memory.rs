@@ -43,7 +43,16 @@ pub struct Memory<'a> {
     pub is_averaged: bool,
 }
 
-impl Memory<'_> {
+impl<'a> Memory<'a> {
+    /// That of some of the nodes, which follow each other.
+    pub fn of_nodes(&self, nodes: &std::ops::Range<usize>) -> Memory<'a> {
+        Memory {
+            states: &self.states[nodes.clone()],
+            rates: &self.rates[nodes.clone()],
+            ..*self
+        }
+    }
+
     /// The memory of a node.
     pub fn path(&self, node: usize) -> MemoryPath {
         let (rate_base, rate_share) = if self.is_averaged {

@@ -30,6 +30,7 @@ mod misfit;
 mod named;
 mod pressed;
 mod rate_and_state;
+mod several;
 mod slip_memory;
 mod slip_weakening;
 mod stribeck;
@@ -45,6 +46,7 @@ pub use memory::{Memory, MemoryPath};
 pub use misfit::{Misfit, Wrong};
 pub use named::{Law, Role};
 pub use pressed::PressedLaw;
+pub use several::{ContactBounds, ContactLaw, LawPart, PressedBoundsOf};
 pub use slip_memory::{KernelTerm, SlipKernel};
 
 use super::evaluation::{Evaluation, NodalLaw, Nodes, SlipPath};
@@ -71,7 +73,7 @@ pub const KINDS: &[&dyn FrictionLaw] = &[
 /// What a number in the place of a kind is.
 pub const CONSTANT: &dyn FrictionLaw = &tresca::Tresca;
 
-/// Where the coefficients stand in a scene.
+/// Where the coefficients stand in a scene with one contact.
 pub const PATH: &str = "contact.friction";
 
 /// One node at which a law is evaluated.

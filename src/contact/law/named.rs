@@ -152,39 +152,44 @@ impl Law {
         self.role.unit(self.coefficient(coefficient).unit)
     }
 
-    /// Where a scene has a coefficient, which is also the name of its port.
+    /// Where a scene with one contact has a coefficient, which is also the name of its port.
     pub fn path(&self, coefficient: usize) -> String {
+        self.path_in(PATH, coefficient)
+    }
+
+    /// Where a coefficient stands beside the others at this path.
+    pub fn path_in(&self, base: &str, coefficient: usize) -> String {
         let name = self.coefficient(coefficient).name;
         match self.role.words() {
             Some([_, key]) if coefficient < self.kind.coefficients().len() => {
                 if self.is_number() {
-                    format!("{PATH}.{key}")
+                    format!("{base}.{key}")
                 } else {
-                    format!("{PATH}.{key}.{name}")
+                    format!("{base}.{key}.{name}")
                 }
             }
-            _ => format!("{PATH}.{name}"),
+            _ => format!("{base}.{name}"),
         }
     }
 
-    /// Refuses a value that the coefficient cannot have, whatever the other ones are.
+    /// Refuses a value that the coefficient, which stands at this path with the others, cannot have, whatever these are.
     ///
     /// # Errors
     /// [`Error::Value`] when it is not finite or out of its range.
-    pub fn check_value(&self, coefficient: usize, value: f64) -> Result<()> {
+    pub fn check_value(&self, base: &str, coefficient: usize, value: f64) -> Result<()> {
         let range = self.coefficient(coefficient).range;
         if range.contains(value) {
             return Ok(());
         }
         Err(Error::Value {
-            what: self.path(coefficient),
+            what: self.path_in(base, coefficient),
             found: value,
             allowed: range.allowed,
         })
     }
 
-    /// What a simulator says of coefficients that do not fit each other.
-    pub fn refusal(&self, misfit: Misfit) -> Error {
+    /// What a simulator says of coefficients at this path that do not fit each other.
+    pub fn refusal(&self, base: &str, misfit: Misfit) -> Error {
         let extent = self.coefficient(misfit.coefficient).extent;
         let place = match (misfit.wrong, extent) {
             (Wrong::Number, _) | (Wrong::Entry(_), Extent::Choice(_) | Extent::Formula) => {
@@ -196,12 +201,12 @@ impl Law {
             (Wrong::Entry(node), Extent::Nodes) => format!(" at contact node {node}"),
             (Wrong::Entry(point), Extent::Points | Extent::Grid) => format!(" at point {point}"),
         };
-        let beside =
-            |(other, value): (usize, f64)| format!(", where {} is {value:?}", self.path(other));
+        let path = |coefficient: usize| self.path_in(base, coefficient);
+        let beside = |(other, value): (usize, f64)| format!(", where {} is {value:?}", path(other));
         Error::Value {
             what: format!(
                 "{}{place}{}",
-                self.path(misfit.coefficient),
+                path(misfit.coefficient),
                 misfit.beside.map(beside).unwrap_or_default()
             ),
             found: misfit.found,

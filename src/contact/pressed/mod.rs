@@ -32,5 +32,5 @@ pub(crate) mod tangent;
 pub use chain::PressedWork;
 pub use linearisation::{PressedPoint, clear_points, is_plausible, points_len};
 pub use multiplicity::PressedMultiplicity;
-pub use problem::{NormalCondition, PressedBound, PressedBounds, PressedProblem};
+pub use problem::{NormalCondition, NormalConditions, PressedBound, PressedBounds, PressedProblem};
 pub use solve::{PressedSolution, PressedWorkspace, index, solve};

@@ -51,9 +51,10 @@ pub fn project_normal(problem: &PressedProblem, node: usize, rho: f64, v: f64, p
     if problem.is_away(node) {
         return Normal::open(open);
     }
-    let closing = -problem.gap_base[node] / problem.gap_rate;
+    let (condition, gap_rate) = problem.condition(node);
+    let closing = -problem.gap_base[node] / gap_rate;
     let force = p - rho * (v - closing);
-    match problem.condition {
+    match condition {
         NormalCondition::Bilateral => Normal::closed(closing, force),
         NormalCondition::Unilateral if force <= 0.0 => Normal::open(open),
         // what is not a number must show
@@ -63,7 +64,7 @@ pub fn project_normal(problem: &PressedProblem, node: usize, rho: f64, v: f64, p
                 stiffness: problem.stiffness[node],
                 exponent,
                 gap_base: problem.gap_base[node],
-                gap_rate: problem.gap_rate,
+                gap_rate,
             };
             foundation.project(rho, open, force, v)
         }

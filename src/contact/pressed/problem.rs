@@ -40,6 +40,21 @@ pub enum NormalCondition {
     },
 }
 
+/// The normal conditions of all nodes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum NormalConditions<'a> {
+    /// The same at all nodes.
+    Uniform(NormalCondition),
+    /// One per node, and what a problem has for the growth of the gap, s, where a node has compliance.
+    Nodal(&'a [NormalCondition], f64),
+}
+
+impl From<NormalCondition> for NormalConditions<'_> {
+    fn from(condition: NormalCondition) -> Self {
+        NormalConditions::Uniform(condition)
+    }
+}
+
 /// `S v + [lam; -p] = r` with friction and a normal condition.
 ///
 /// Vectors of the contact have `components + 1` entries per node: the tangential ones, relative to the foundation, and the
@@ -65,9 +80,9 @@ pub struct PressedProblem<'a> {
     pub slip_base: &'a [f64],
     /// Implicit weight of the stage, s: accumulated slip grows by this times the slip rate.
     pub theta_k: f64,
-    /// Normal condition of all nodes.
-    pub condition: NormalCondition,
-    /// Stiffness of every node, weight included, N/m^exponent; empty without compliance.
+    /// Normal conditions.
+    pub conditions: NormalConditions<'a>,
+    /// Stiffness of every node, weight included, N/m^exponent; empty without compliance, without meaning where a node has none.
     pub stiffness: &'a [f64],
     /// Gap at the normal velocity 0, m; infinite where a node is open whatever happens, without any force.
     pub gap_base: &'a [f64],
@@ -112,6 +127,18 @@ impl PressedProblem<'_> {
         SlipPath {
             base: self.slip_base[node],
             per_rate: self.theta_k,
+        }
+    }
+
+    /// The normal condition of a node, and the growth of its gap by the normal velocity.
+    #[inline(always)]
+    pub fn condition(&self, node: usize) -> (NormalCondition, f64) {
+        match self.conditions {
+            NormalConditions::Uniform(condition) => (condition, self.gap_rate),
+            NormalConditions::Nodal(conditions, yielding) => match conditions[node] {
+                condition @ NormalCondition::Compliance { .. } => (condition, yielding),
+                condition => (condition, self.gap_rate),
+            },
         }
     }
 

@@ -43,12 +43,13 @@ struct Node {
     motion: Motion,
     /// `None` where it sticks; an open node slips without friction.
     slip: Option<Slip>,
+    /// Growth of the gap by the normal velocity.
+    gap_rate: f64,
 }
 
 /// The tangent at a solution.
 pub struct PressedTangent {
     nodes: Vec<Node>,
-    gap_rate: f64,
     factor: PartialPivLu<f64>,
 }
 
@@ -76,7 +77,8 @@ impl PressedTangent {
                 force[problem.normal(node)],
                 &velocity[problem.tangential(node)],
             );
-            let motion = match problem.condition {
+            let (condition, gap_rate) = problem.condition(node);
+            let motion = match condition {
                 _ if problem.is_away(node) => Motion::Open,
                 NormalCondition::Bilateral => Motion::Closed,
                 _ if p <= 0.0 => Motion::Open,
@@ -92,13 +94,16 @@ impl PressedTangent {
                 Motion::Open => Some(Slip::default()),
                 _ => slip(problem, node, v, p),
             };
-            Node { motion, slip }
+            Node {
+                motion,
+                slip,
+                gap_rate,
+            }
         };
         let nodes: Vec<Node> = (0..problem.nodes()).map(node).collect();
         let matrix = matrix(problem, &nodes);
         PressedTangent {
             nodes,
-            gap_rate: problem.gap_rate,
             factor: matrix.partial_piv_lu(),
         }
     }
@@ -116,7 +121,7 @@ impl PressedTangent {
             };
             column[(normal, 0)] = match node.motion {
                 Motion::Open => d.load[normal],
-                Motion::Closed => -d.gap[at] / self.gap_rate,
+                Motion::Closed => -d.gap[at] / node.gap_rate,
                 Motion::GivesWay(_) => d.load[normal] + dp,
             };
             if let Some(slip) = &node.slip {
@@ -143,7 +148,7 @@ impl PressedTangent {
                 Motion::Open => 0.0,
                 Motion::Closed => -balance(normal, d.velocity),
                 Motion::GivesWay(stiffness) => {
-                    -stiffness * (d.gap[at] + self.gap_rate * d.velocity[normal])
+                    -stiffness * (d.gap[at] + node.gap_rate * d.velocity[normal])
                 }
             };
             d.magnitude[at] = 0.0;
@@ -239,7 +244,7 @@ fn matrix(problem: &PressedProblem, nodes: &[Node]) -> Mat<f64> {
             Motion::Open => {}
             Motion::Closed => matrix[(normal, normal)] = 1.0,
             Motion::GivesWay(stiffness) => {
-                falls = stiffness * problem.gap_rate;
+                falls = stiffness * node.gap_rate;
                 matrix[(normal, normal)] += falls;
             }
         }

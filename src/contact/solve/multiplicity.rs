@@ -8,7 +8,6 @@
 use super::newton::linearisation::{Linearisation, block_len};
 use super::newton::{Workspace, solve};
 use crate::contact::bounds::FrozenBounds;
-use crate::contact::law::LawBounds;
 use crate::contact::multiplicity::Multiplicity;
 use crate::contact::problem::ContactProblem;
 
@@ -31,10 +30,10 @@ impl MultiplicityWorkspace {
     }
 }
 
-/// Looks for solutions other than `accepted` of a problem with the bounds of `law`.
+/// Looks for solutions other than `accepted` of a problem whose law has these largest and smallest bounds at every node, Pa.
 pub fn test(
     problem: &ContactProblem,
-    law: &LawBounds,
+    extremes: impl Fn(usize) -> [f64; 2],
     tolerance: f64,
     max_iterations: usize,
     accepted: &[f64],
@@ -43,7 +42,7 @@ pub fn test(
     let mut found = Multiplicity::ONE;
     for at in 0..2 {
         for (node, bound) in ws.bounds.iter_mut().enumerate() {
-            *bound = law.extremes(node)[at];
+            *bound = extremes(node)[at];
         }
         let is_rest = ws.bounds.iter().any(|bound| bound.is_infinite());
         let (before, rest) = ws.candidates.split_at_mut(at);

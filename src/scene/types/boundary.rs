@@ -4,10 +4,27 @@ use super::{Condition, Foundation, Friction};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+/// Most contacts of a scene.
+pub const MAX_CONTACTS: usize = 16;
+
+/// Name of a contact that has none of its own. The ports of all contacts together begin with it.
+pub(crate) const CONTACT: &str = "contact";
+
+fn contact_name() -> String {
+    CONTACT.to_owned()
+}
+
+fn is_contact_name(name: &String) -> bool {
+    name == CONTACT
+}
+
 /// Contact with a rigid foundation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Contact {
+    /// Name, as for loads, and different from them: that of its ports. Default: `contact`, for the only one of a scene.
+    #[serde(default = "contact_name", skip_serializing_if = "is_contact_name")]
+    pub name: String,
     /// Name of the part in contact; not clamped, not driven, not loaded.
     pub part: String,
     /// What holds between body and foundation along the normal. Default: `bilateral`.

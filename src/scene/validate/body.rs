@@ -8,9 +8,16 @@ use crate::refusal::{Refusal, Verdict, ensure, json};
 
 pub(super) fn check_mesh(scene: &Scene, dimension: Option<usize>) -> Verdict {
     let element = scene.element_in(dimension.unwrap_or(2));
-    if let Some((found, allowed)) = element.contact_fault() {
-        return Err(Refusal::new("element", found, allowed));
-    }
+    let is_studied = scene.fidelity.target_error.is_some();
+    ensure(!is_studied || element.has_contact_at_all_nodes(), || {
+        let found =
+            "a value with quadratic tetrahedra, whose contact has no field between its nodes";
+        Refusal::new(
+            "fidelity.target_error",
+            found,
+            "a target with element p1 in 3D",
+        )
+    })?;
     scene.mesh.source().check(element)
 }
 
@@ -97,20 +104,54 @@ pub(super) fn check_clamped(scene: &Scene) -> Verdict {
                 "each part once",
             )
         })?;
-        ensure(*part != scene.contact.part, || {
-            let found = format!("{:?}, which is contact.part", cut(part));
-            Refusal::new(&path, found, "parts that are not in contact")
-        })?;
+        refuse_contact(scene, part, &path, "parts that are not in contact")?;
     }
     Ok(())
 }
 
 pub(super) fn check_contact(scene: &Scene, dimension: Option<usize>) -> Verdict {
-    let (mesh, contact) = (&scene.mesh, &scene.contact);
-    check_part(mesh, &contact.part, "contact.part")?;
-    friction::check(scene)?;
-    if let Some(tangent) = &contact.tangent {
-        check_vector(dimension, tangent, "contact.tangent")?;
+    let contacts = scene.contacts();
+    ensure(!contacts.is_empty(), || {
+        let allowed = "an object with the keys friction, part; or contacts, a list of such";
+        Refusal::new("contact", "nothing", allowed)
+    })?;
+    ensure(scene.contact.is_none() || scene.contacts.is_empty(), || {
+        let found = "a list beside contact";
+        Refusal::new(
+            "contacts",
+            found,
+            "contact for one, or contacts for several",
+        )
+    })?;
+    for (i, contact) in contacts.iter().enumerate() {
+        let path = format!("{}.part", contact.path);
+        check_part(&scene.mesh, &contact.part, &path)?;
+        ensure(contacts[..i].iter().all(|c| c.part != contact.part), || {
+            let found = format!("{:?} a second time", cut(&contact.part));
+            Refusal::new(&path, found, "each part once")
+        })?;
+        let is_alone = contacts.len() == 1;
+        ensure(is_alone || contact.friction.memory.is_empty(), || {
+            let path = format!("{}.friction.memory", contact.path);
+            let found = "a kernel of slip where there are several contacts";
+            Refusal::new(path, found, "a law of the accumulated slip; or one contact")
+        })?;
+        friction::check(contact)?;
+        if let Some(tangent) = &contact.tangent {
+            check_vector(dimension, tangent, &format!("{}.tangent", contact.path))?;
+        }
     }
     Ok(())
+}
+
+/// Refuses a part that is in contact.
+pub(super) fn refuse_contact(scene: &Scene, part: &str, path: &str, allowed: &str) -> Verdict {
+    let contacts = scene.contacts();
+    match contacts.iter().find(|contact| contact.part == part) {
+        None => Ok(()),
+        Some(contact) => {
+            let found = format!("{:?}, which is {}.part", cut(part), contact.path);
+            Err(Refusal::new(path, found, allowed))
+        }
+    }
 }

@@ -1,7 +1,7 @@
 //! Rules of what presses and moves: the normal condition, the foundation, driven parts, and the schemes that can follow them.
 
 use super::super::types::*;
-use super::body::check_part;
+use super::body::{check_part, refuse_contact};
 use super::{check_dimension, check_vector};
 use crate::message::cut;
 use crate::refusal::{Refusal, Verdict, ensure, json};
@@ -10,21 +10,32 @@ use crate::refusal::{Refusal, Verdict, ensure, json};
 const ORTHOGONAL: f64 = 1e-9;
 
 pub(super) fn check_condition(scene: &Scene) -> Verdict {
-    let contact = &scene.contact;
-    if let (Some(Gap::Nodal(_)), Some(_)) = (contact.condition.gap(), scene.fidelity.target_error) {
-        let found = "a value beside a gap per contact node, which belongs to one mesh";
-        let allowed = "a target with a number or \"geometry\" in contact.condition.gap";
-        return Err(Refusal::new("fidelity.target_error", found, allowed));
+    for contact in scene.contacts() {
+        let gap = contact.condition.gap();
+        if let (Some(Gap::Nodal(_)), Some(_)) = (gap, scene.fidelity.target_error) {
+            let found = "a value beside a gap per contact node, which belongs to one mesh";
+            let allowed = format!(
+                "a target with a number or \"geometry\" in {}.condition.gap",
+                contact.path
+            );
+            return Err(Refusal::new("fidelity.target_error", found, allowed));
+        }
+        ensure(
+            contact.condition.is_default() || contact.friction.vanishes_without_pressure(),
+            || {
+                let found = "a bound that is not zero without pressure, where contact can open";
+                let allowed = "frictionless, or coulomb without cohesion: a bound that jumps where contact opens leaves steps without solution";
+                Refusal::new(format!("{}.friction", contact.path), found, allowed)
+            },
+        )?;
     }
-    let can_open = !contact.condition.is_default();
-    ensure(
-        !can_open || contact.friction.vanishes_without_pressure(),
-        || {
-            let found = "a bound that is not zero without pressure, where contact can open";
-            let allowed = "frictionless, or coulomb without cohesion: a bound that jumps where contact opens leaves steps without solution";
-            Refusal::new("contact.friction", found, allowed)
-        },
-    )?;
+    let can_open = scene.can_open();
+    let gives_way = |c: &Contact| matches!(c.condition, Condition::Compliance { .. });
+    let is_mixed = scene.each_contact().any(gives_way) && !scene.each_contact().all(gives_way);
+    ensure(!is_mixed || scene.scheme() != Scheme::Midpoint, || {
+        let found = "\"midpoint\", where one contact gives way and another is rigid: the rule puts their gaps at different instants";
+        Refusal::new("time.scheme", found, "auto, backward_euler or tr_bdf2")
+    })?;
     if !scene.is_pressed() {
         return Ok(());
     }
@@ -54,16 +65,18 @@ pub(super) fn check_condition(scene: &Scene) -> Verdict {
 }
 
 pub(super) fn check_foundation(scene: &Scene, dimension: Option<usize>) -> Verdict {
-    for (i, motion) in scene.contact.foundation.iter().enumerate() {
-        let path = format!("contact.foundation[{i}]");
-        match motion {
-            Foundation::Sliding { direction, .. } => {
-                check_vector(dimension, direction, &format!("{path}.direction"))?;
+    for contact in scene.contacts() {
+        for (i, motion) in contact.foundation.iter().enumerate() {
+            let path = format!("{}.foundation[{i}]", contact.path);
+            match motion {
+                Foundation::Sliding { direction, .. } => {
+                    check_vector(dimension, direction, &format!("{path}.direction"))?;
+                }
+                Foundation::Rotation { centre, axis, .. } => {
+                    check_axis(dimension, centre, axis.as_deref(), &path)?;
+                }
+                Foundation::Approach { .. } => {}
             }
-            Foundation::Rotation { centre, axis, .. } => {
-                check_axis(dimension, centre, axis.as_deref(), &path)?;
-            }
-            Foundation::Approach { .. } => {}
         }
     }
     Ok(())
@@ -82,14 +95,14 @@ pub(super) fn check_driven(scene: &Scene, dimension: Option<usize>) -> Verdict {
         let part = &driven.part;
         check_part(&scene.mesh, part, &path)?;
         let is_other = |other: &Driven| other.part == *part;
+        let allowed = "parts that are neither clamped, nor in contact, nor driven twice";
+        refuse_contact(scene, part, &path, allowed)?;
         for (is_taken, what) in [
             (scene.clamped.contains(part), "which is clamped"),
-            (*part == scene.contact.part, "which is contact.part"),
             (scene.driven[..i].iter().any(is_other), "a second time"),
         ] {
             ensure(!is_taken, || {
                 let found = format!("{:?}, {what}", cut(part));
-                let allowed = "parts that are neither clamped, nor in contact, nor driven twice";
                 Refusal::new(&path, found, allowed)
             })?;
         }

@@ -1,0 +1,32 @@
+// Half a disc of radius 50 mm on its round side. Written by Gmsh 4.15.2: gmsh -2 -order 2 half_disc.geo; half_disc_coarse.msh with
+// h = 0.00008 and 0.5 * F1.
+SetFactory("Built-in");
+r = 0.05;         // radius, m
+w = 0.0014;       // half of the part that may touch, m
+h = 0.00004;      // cells there, m
+b = Asin(w / r);
+Point(1) = {0, 0, 0};
+Point(2) = {-r, 0, 0};
+Point(3) = {-w, -r * Cos(b), 0};
+Point(4) = {0, -r, 0};
+Point(5) = {w, -r * Cos(b), 0};
+Point(6) = {r, 0, 0};
+Line(1) = {6, 2};
+Circle(2) = {2, 1, 3};
+Circle(3) = {3, 1, 4};
+Circle(4) = {4, 1, 5};
+Circle(5) = {5, 1, 6};
+Curve Loop(1) = {1, 2, 3, 4, 5};
+Plane Surface(1) = {1};
+Field[1] = Distance;
+Field[1].CurvesList = {3, 4};
+Field[1].Sampling = 200;
+Field[2] = MathEval;
+Field[2].F = Sprintf("%g + 0.34 * F1", h);
+Background Field = 2;
+Mesh.MeshSizeExtendFromBoundary = 0;
+Mesh.MeshSizeFromPoints = 0;
+Mesh.MshFileVersion = 4.1;
+Physical Surface("disc") = {1};
+Physical Curve("top") = {1};
+Physical Curve("round") = {3, 4};
