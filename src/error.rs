@@ -56,6 +56,11 @@ errors! {
         "friction did not converge at time {}: residual {residual:.3e} at contact node {node} after \
                  {iterations} iterations, tolerance {tolerance:.1e}",
                 number(*time);
+    /// The laws of the body, which are not linear, did not converge in a stage.
+    BodyNotConverged { time: f64, residual: f64, tolerance: f64, iterations: usize } => NotConverged,
+        "the nonlinear laws of the body did not converge at time {}: residual {residual:.3e} after {iterations} iterations, \
+                 tolerance {tolerance:.1e}",
+                number(*time);
     /// A matrix that must be positive definite is not (pivot index in the elimination order).
     NotPositiveDefinite { what: &'static str, pivot: usize } => NotPositiveDefinite,
         "{what} is not positive definite (pivot {pivot})";

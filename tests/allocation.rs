@@ -78,6 +78,8 @@ fn steps_allocate_nothing() {
         (vec![("time.inputs", "continue")], 64),
         (vec![("time.error_estimate", "true")], 16),
         (vec![("time.tolerance", "1e-4")], 16),
+        (bent_laws("full").to_vec(), 16),
+        (bent_laws("condensed").to_vec(), 16),
     ] {
         let model = compile(&paper(cells, &overrides)).unwrap();
         let mut simulator = Simulator::new(model);
@@ -127,6 +129,17 @@ fn steps_of_the_whole_mesh_allocate_nothing() {
         }
         assert_eq!(COUNT.with(Cell::get) - before, 0, "{model} {memory}");
     }
+}
+
+/// Laws of the body that are not linear, with a model.
+fn bent_laws(model: &'static str) -> [(&'static str, &'static str); 3] {
+    let viscosity = r#"{"law": "carreau", "mu1": 0.1, "mu_0": 1.0, "mu_inf": 0.1, "c": 0.05}"#;
+    let elasticity = r#"{"law": "hencky", "bulk": 1.0, "mu_0": 0.8, "mu_inf": 0.2, "c": 0.05}"#;
+    [
+        ("fidelity.model", model),
+        ("material.viscosity", viscosity),
+        ("material.elasticity", elasticity),
+    ]
 }
 
 /// Nor does one of a law that is a formula, has a state, or a surface of values.

@@ -94,6 +94,14 @@ fn constants(model: &Model) -> Vec<(&'static str, String)> {
             value(c.l_g, "Pa s/m (Lipschitz constant of the bound, (5.16))"),
         ),
         ("m_A", value(c.m_a, "Pa s (ellipticity of the viscosity)")),
+        (
+            "L_A",
+            value(c.l_a, "Pa s (Lipschitz constant of the viscosity)"),
+        ),
+        (
+            "L_B",
+            value(c.l_b, "Pa (Lipschitz constant of the elasticity)"),
+        ),
         ("Theorem 5.3, (2.6)", theorem),
         ("(3.6)", step_limit(c.step_limit())),
         ("sharp condition", sharp),

@@ -78,6 +78,15 @@ impl Details {
                 number(*residual),
                 number(*tolerance),
             ),
+            Error::BodyNotConverged {
+                residual,
+                tolerance,
+                ..
+            } => details(
+                "fidelity.friction_tolerance",
+                number(*residual),
+                number(*tolerance),
+            ),
             Error::Unstable { step, limit } => details("time.step", number(*step), number(*limit)),
             Error::ToleranceOutOfReach {
                 excess, tolerance, ..

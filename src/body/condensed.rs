@@ -3,7 +3,8 @@
 //!
 //! With the contact eliminated last, `M = L L^T` leaves `S = L_cc L_cc^T` and `r` without any further solve.
 
-use super::field::Field;
+use super::field::{Field, add};
+use crate::body::nonlinear::Nonlinear;
 use crate::body::{BodyModel, Scratch, Stage};
 use crate::bytes::Writer;
 use crate::error::Result;
@@ -23,19 +24,48 @@ impl BodyModel for Condensed {
         self.0.cholesky.len()
     }
 
+    fn tangent_len(&self) -> usize {
+        self.0.tangent_len()
+    }
+
+    fn nonlinear(&self) -> Option<&Nonlinear> {
+        self.0.nonlinear.as_ref()
+    }
+
+    fn apply(&self, which: usize, x: &[f64], y: &mut [f64]) {
+        self.0.apply(which, x, y);
+    }
+
+    fn apply_tangent(&self, stage: &Stage, x: &[f64], y: &mut [f64]) {
+        self.0.operators.apply(&stage.tangent, x, y);
+    }
+
+    fn apply_stage(&self, stage: &Stage, x: &[f64], y: &mut [f64], scratch: &mut Scratch) {
+        self.0.apply_stage(stage, x, y, scratch);
+    }
+
     fn scratch(&self) -> Scratch {
         self.0.scratch()
     }
 
     fn factor(&self, theta_k: f64, stage: &mut Stage, scratch: &mut Scratch) -> Result<()> {
         self.0.factor(theta_k, stage, scratch)?;
-        self.0.cholesky.condensed(&stage.factor, stage.s.as_mut());
+        let (factor, to) = (&stage.factor, stage.s.as_mut());
+        let m = self.contact_len();
+        // kept where every step may factor
+        if scratch.square.nrows() == m {
+            let lower = scratch.square.as_mut();
+            self.0.cholesky.condensed_with(factor, lower, to);
+        } else {
+            self.0.cholesky.condensed(factor, to);
+        }
         Ok(())
     }
 
     fn predict(&self, stage: &Stage, p: &[f64], f: &[f64], r: &mut [f64], scratch: &mut Scratch) {
         self.0
             .load(stage, p, f, &mut scratch.work, &mut scratch.lags);
+        add(&mut scratch.work, &scratch.excess);
         self.0
             .cholesky
             .eliminate(&stage.factor, &scratch.work, &mut scratch.free);

@@ -9,11 +9,14 @@
 //! q_j' = (p - p_j + theta k w) / (tau_j + theta k)
 //! ```
 
+use crate::body::nonlinear::{Nonlinear, VISCOUS};
 use crate::body::{Scratch, Stage};
 use crate::bytes::{LARGEST, Reader, Writer, is_usable};
 use crate::error::Result;
 use crate::fem::{Body, BranchOperator, OperatorPair, StrainNorm};
 use crate::linalg::{DenseCholesky, SparseCholesky};
+use crate::scene::Scene;
+use faer::Mat;
 
 /// Right-hand sides solved together when the contact compliance is built.
 pub const BLOCK: usize = 32;
@@ -27,6 +30,8 @@ pub struct Field {
     pub cholesky: SparseCholesky,
     /// Entries of the strain norm, where it is no combination of the operators.
     pub strain: Option<Vec<f64>>,
+    /// The cells whose laws are not linear, where there are any.
+    pub nonlinear: Option<Nonlinear>,
     pub contact_len: usize,
     /// Columns of forces: loads, then driven parts.
     pub loads: Vec<SparseVector>,
@@ -36,8 +41,8 @@ pub struct Field {
 
 impl Field {
     /// # Errors
-    /// Those of [`SparseCholesky::new`].
-    pub fn new(body: &Body) -> Result<Field> {
+    /// Those of [`SparseCholesky::new`] and [`Nonlinear::new`].
+    pub fn new(scene: &Scene, body: &Body) -> Result<Field> {
         let operators = body.operators.clone();
         let cholesky = SparseCholesky::new(
             &operators.col_ptr,
@@ -50,6 +55,7 @@ impl Field {
                 StrainNorm::Combination(..) => None,
                 StrainNorm::Assembled(values) => Some(values.clone()),
             },
+            nonlinear: Nonlinear::new(scene, body)?,
             contact_len: body.contact_len(),
             loads: body.force_columns().cloned().collect(),
             probes: body
@@ -80,12 +86,12 @@ impl Field {
         self.operators.memory.iter().zip(fields)
     }
 
-    /// Factors `A + theta_k B` into `stage.factor`.
+    /// Factors `A + theta_k B`, with the tangent of the stage, into `stage.factor`.
     ///
     /// # Errors
     /// [`crate::Error::NotPositiveDefinite`] when the body is not held.
     pub fn factor(&self, theta_k: f64, stage: &mut Stage, scratch: &mut Scratch) -> Result<()> {
-        self.operators.combine(1.0, theta_k, &mut scratch.matrix);
+        self.combine(theta_k, stage, scratch);
         self.cholesky.factor(
             "the stage operator A + theta k B (is the body clamped or otherwise held?)",
             &scratch.matrix,
@@ -146,6 +152,35 @@ impl Field {
         self.operators.product(u, u).1 + springs.sum::<f64>()
     }
 
+    /// The entries of M into `scratch.matrix`.
+    fn combine(&self, theta_k: f64, stage: &Stage, scratch: &mut Scratch) {
+        self.operators.combine(1.0, theta_k, &mut scratch.matrix);
+        for (entry, tangent) in scratch.matrix.iter_mut().zip(&stage.tangent) {
+            *entry += tangent;
+        }
+    }
+
+    /// `y = M x`.
+    pub fn apply_stage(&self, stage: &Stage, x: &[f64], y: &mut [f64], scratch: &mut Scratch) {
+        self.combine(stage.theta_k.unwrap_or_default(), stage, scratch);
+        self.operators.apply(&scratch.matrix, x, y);
+    }
+
+    /// Length of the tangents of a stage.
+    pub fn tangent_len(&self) -> usize {
+        let entries = self.operators.row_idx.len();
+        self.nonlinear.as_ref().map_or(0, |_| entries)
+    }
+
+    /// `A x` or `B x`.
+    pub fn apply(&self, which: usize, x: &[f64], y: &mut [f64]) {
+        let values = match which {
+            VISCOUS => &self.operators.a,
+            _ => &self.operators.b,
+        };
+        self.operators.apply(values, x, y);
+    }
+
     /// The square of the strain norm, where it is assembled.
     pub fn strain_square(&self, x: &[f64]) -> f64 {
         let values = self.strain.as_deref();
@@ -167,7 +202,12 @@ impl Field {
 
     pub fn scratch(&self) -> Scratch {
         let n = self.len();
+        let bent = |length: usize| self.nonlinear.as_ref().map_or(0, |_| length);
         Scratch {
+            excess: vec![0.0; bent(n)],
+            fields: [vec![0.0; bent(n)], vec![0.0; bent(n)]],
+            square: Mat::zeros(bent(self.contact_len), bent(self.contact_len)),
+            columns: Mat::new(),
             free: vec![0.0; n],
             work: vec![0.0; n],
             lags: vec![0.0; self.states() - n],
@@ -187,8 +227,10 @@ impl Field {
             .map(|v| 2 * v.len())
             .sum();
         let strain = self.strain.as_ref().map_or(0, Vec::len);
+        let nonlinear = self.nonlinear.as_ref().map_or(0, Nonlinear::bytes);
         let branches = self.operators.memory.len();
         word * ((3 + branches) * self.operators.row_idx.len() + strain + self.len() + vectors)
+            + nonlinear
     }
 
     pub fn write(&self, out: &mut Writer) {
@@ -204,6 +246,7 @@ impl Field {
             out.floats(&branch.c);
         }
         self.strain.iter().for_each(|values| out.floats(values));
+        self.nonlinear.iter().for_each(|cells| cells.write(out));
         for vector in self.loads.iter().chain(&self.probes) {
             out.word(vector.len() as u64);
             for &(dof, value) in vector {
@@ -213,13 +256,14 @@ impl Field {
         }
     }
 
-    /// Reads what [`Field::write`] wrote, for the given numbers of free dofs, contact components, loads and outputs, with or
+    /// Reads what [`Field::write`] wrote, for a scene and the given numbers of free dofs, contact components, loads and outputs, with or
     /// without a strain norm.
     ///
     /// # Errors
     /// [`crate::Error::Bytes`].
     pub fn read(
         from: &mut Reader,
+        scene: &Scene,
         n: usize,
         contact_len: usize,
         loads: usize,
@@ -273,6 +317,7 @@ impl Field {
         if !(is_ascending && memory.iter().all(is_possible)) {
             return Err(Reader::refusal("the memory of the body is not one"));
         }
+        let nonlinear = Nonlinear::read(from, scene, &col_ptr, &row_idx)?;
         let mut sparse = || -> Result<SparseVector> {
             let count = from.size()?;
             let mut vector = SparseVector::new();
@@ -290,6 +335,7 @@ impl Field {
         Ok(Field {
             cholesky: SparseCholesky::with_order(&col_ptr, &row_idx, order, contact_len)?,
             strain,
+            nonlinear,
             contact_len,
             loads: vectors,
             probes,
@@ -302,5 +348,12 @@ impl Field {
                 memory,
             },
         })
+    }
+}
+
+/// Adds a force that may be absent.
+pub fn add(to: &mut [f64], force: &[f64]) {
+    for (to, force) in to.iter_mut().zip(force) {
+        *to += force;
     }
 }

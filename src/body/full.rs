@@ -3,11 +3,13 @@
 //! The contact compliance `C = E^T M^-1 E` is solved for column by column, without the elimination order that the
 //! condensed model relies on, so the two check each other.
 
-use super::field::{BLOCK, Field};
+use super::field::{BLOCK, Field, add};
+use crate::body::nonlinear::Nonlinear;
 use crate::body::{BodyModel, Scratch, Stage};
 use crate::bytes::Writer;
 use crate::error::{Error, Result};
 use crate::linalg::multiply;
+use faer::reborrow::{Reborrow, ReborrowMut};
 use faer::{ColMut, Mat};
 
 pub struct Full(pub Field);
@@ -25,26 +27,59 @@ impl BodyModel for Full {
         self.0.cholesky.len()
     }
 
+    fn tangent_len(&self) -> usize {
+        self.0.tangent_len()
+    }
+
+    fn nonlinear(&self) -> Option<&Nonlinear> {
+        self.0.nonlinear.as_ref()
+    }
+
+    fn apply(&self, which: usize, x: &[f64], y: &mut [f64]) {
+        self.0.apply(which, x, y);
+    }
+
+    fn apply_tangent(&self, stage: &Stage, x: &[f64], y: &mut [f64]) {
+        self.0.operators.apply(&stage.tangent, x, y);
+    }
+
+    fn apply_stage(&self, stage: &Stage, x: &[f64], y: &mut [f64], scratch: &mut Scratch) {
+        self.0.apply_stage(stage, x, y, scratch);
+    }
+
     fn scratch(&self) -> Scratch {
-        self.0.scratch()
+        let mut scratch = self.0.scratch();
+        if self.0.nonlinear.is_some() {
+            let width = BLOCK.min(self.contact_len());
+            scratch.columns = Mat::zeros(self.0.len(), width);
+        }
+        scratch
     }
 
     fn factor(&self, theta_k: f64, stage: &mut Stage, scratch: &mut Scratch) -> Result<()> {
         self.0.factor(theta_k, stage, scratch)?;
         let (n, m) = (self.0.len(), self.contact_len());
-        let mut compliance = Mat::<f64>::zeros(m, m);
+        // kept where every step may factor
+        let mut compliance = std::mem::replace(&mut scratch.square, Mat::new());
+        let mut all_columns = std::mem::replace(&mut scratch.columns, Mat::new());
+        let is_kept = compliance.nrows() == m;
+        if !is_kept {
+            compliance = Mat::zeros(m, m);
+            all_columns = Mat::zeros(n, BLOCK.min(m));
+        }
         for first in (0..m).step_by(BLOCK) {
             let width = BLOCK.min(m - first);
-            let mut columns = Mat::<f64>::zeros(n, width);
+            let mut columns = all_columns.as_mut().subcols_mut(0, width);
+            columns.fill(0.0);
             for j in 0..width {
                 columns[(n - m + first + j, j)] = 1.0;
             }
             let cholesky = &self.0.cholesky;
-            cholesky.solve(&stage.factor, columns.as_mut(), &mut scratch.memory);
+            cholesky.solve(&stage.factor, columns.rb_mut(), &mut scratch.memory);
             compliance
                 .as_mut()
                 .subcols_mut(first, width)
-                .copy_from(columns.as_ref().subrows(n - m, m));
+                .copy_from(columns.rb().subrows(n - m, m));
         }
         // symmetric up to rounding: the mean of the two halves
         let is_definite = scratch.dense.factor(m, |j, column| {
@@ -52,6 +87,9 @@ impl BodyModel for Full {
                 *entry = 0.5 * (compliance[(i, j)] + compliance[(j, i)]);
             }
         });
+        if is_kept {
+            (scratch.square, scratch.columns) = (compliance, all_columns);
+        }
         if !is_definite {
             return Err(Error::NotPositiveDefinite {
                 what: "the contact compliance",
@@ -65,6 +103,7 @@ impl BodyModel for Full {
     fn predict(&self, stage: &Stage, p: &[f64], f: &[f64], r: &mut [f64], scratch: &mut Scratch) {
         self.0
             .load(stage, p, f, &mut scratch.free, &mut scratch.lags);
+        add(&mut scratch.free, &scratch.excess);
         self.0.cholesky.solve(
             &stage.factor,
             ColMut::from_slice_mut(&mut scratch.free).as_mat_mut(),

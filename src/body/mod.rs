@@ -17,6 +17,7 @@ pub(crate) mod condensed;
 pub(crate) mod digits;
 pub(crate) mod field;
 pub(crate) mod full;
+pub(crate) mod nonlinear;
 pub(crate) mod reduced;
 pub(crate) mod reduction;
 
@@ -25,8 +26,9 @@ use crate::error::Result;
 use crate::linalg::DenseCholesky;
 use dyn_stack::MemBuffer;
 use faer::Mat;
+use nonlinear::Nonlinear;
 
-/// Everything that depends on the implicit weight of a stage alone.
+/// Everything that depends on the implicit weight of a stage alone, and, where laws are not linear, on the point of their tangents.
 pub struct Stage {
     /// Implicit weight, s; `None` before the first factorization.
     pub theta_k: Option<f64>,
@@ -36,6 +38,11 @@ pub struct Stage {
     pub factor: Vec<f64>,
     /// Diagonal of `S^-1`, m/(N s), where it is asked for.
     pub yielding: Vec<f64>,
+    /// Entries of the tangents that M has beyond `A + theta_k B`, and their point; empty for linear laws.
+    pub tangent: Vec<f64>,
+    pub point: Vec<f64>,
+    /// Tells apart all factorizations of a cache.
+    pub version: u64,
 }
 
 /// Scratch of one simulator; never changes a result.
@@ -54,6 +61,13 @@ pub struct Scratch {
     pub dense: DenseCholesky,
     /// Scratch of the sparse factorization and solves.
     pub memory: MemBuffer,
+    /// Force on the body beyond those of the linear operators and the loads in the next prediction, N; empty for linear laws.
+    pub excess: Vec<f64>,
+    /// A velocity and a displacement at which laws are linearised; empty for linear laws.
+    pub fields: [Vec<f64>; 2],
+    /// Matrices of contact order and of right-hand sides, kept where factorizations may not allocate; empty elsewhere.
+    pub square: Mat<f64>,
+    pub columns: Mat<f64>,
 }
 
 /// A reduced body in modal coordinates, in which the viscosity A is the identity and the elasticity B the diagonal of `rates`.
@@ -76,6 +90,10 @@ pub trait BodyModel: Send + Sync {
     fn contact_len(&self) -> usize;
     /// Length of [`Stage::factor`].
     fn factor_len(&self) -> usize;
+    /// Length of [`Stage::tangent`].
+    fn tangent_len(&self) -> usize {
+        0
+    }
     /// Fresh scratch.
     fn scratch(&self) -> Scratch;
     /// Makes `stage` for the implicit weight `theta_k`.
@@ -95,6 +113,16 @@ pub trait BodyModel: Send + Sync {
         w: &mut [f64],
         scratch: &mut Scratch,
     );
+    /// The cells whose laws are not linear; `None` where there are none.
+    fn nonlinear(&self) -> Option<&Nonlinear> {
+        None
+    }
+    /// `A x` or `B x`, of the lower tangents, into `y`; nothing for a model that has no nonlinear laws.
+    fn apply(&self, _which: usize, _x: &[f64], _y: &mut [f64]) {}
+    /// `y = T x` for the tangent of a stage; nothing for a model that has no nonlinear laws.
+    fn apply_tangent(&self, _stage: &Stage, _x: &[f64], _y: &mut [f64]) {}
+    /// `y = M x` for the matrix of a stage; nothing for a model that has no nonlinear laws.
+    fn apply_stage(&self, _stage: &Stage, _x: &[f64], _y: &mut [f64], _scratch: &mut Scratch) {}
     /// `(x.A x, x.B x)`.
     fn products(&self, x: &[f64]) -> (f64, f64);
     /// The square of `|eps(x)|` in L2, for a body of several materials, whose strain norm no combination of A and B is.
@@ -124,6 +152,9 @@ impl Stage {
             s: Mat::zeros(model.contact_len(), model.contact_len()),
             factor: vec![0.0; model.factor_len()],
             yielding: vec![0.0; if has_yielding { model.contact_len() } else { 0 }],
+            tangent: vec![0.0; model.tangent_len()],
+            point: vec![0.0; model.nonlinear().map_or(0, Nonlinear::point_len)],
+            version: 0,
         }
     }
 }
@@ -203,11 +234,26 @@ impl StageCache {
         theta_k: f64,
         scratch: &mut Scratch,
     ) -> Result<&Stage> {
+        self.get_at(model, theta_k, &[], scratch)
+    }
+
+    /// The stage for `theta_k` with the tangents of the laws at a point, factored now or earlier.
+    ///
+    /// # Errors
+    /// Those of [`BodyModel::factor`].
+    pub fn get_at(
+        &mut self,
+        model: &dyn BodyModel,
+        theta_k: f64,
+        point: &[f64],
+        scratch: &mut Scratch,
+    ) -> Result<&Stage> {
         self.clock += 1;
-        let known = self
-            .stages
-            .iter()
-            .position(|s| s.theta_k.is_some_and(|t| t.to_bits() == theta_k.to_bits()));
+        let same = |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits();
+        let known = self.stages.iter().position(|s| {
+            s.theta_k.is_some_and(|t| t.to_bits() == theta_k.to_bits())
+                && s.point.iter().zip(point).all(same)
+        });
         let slot = match known {
             Some(slot) => slot,
             None => {
@@ -217,6 +263,13 @@ impl StageCache {
                 let stage = &mut self.stages[oldest];
                 stage.theta_k = None;
                 self.factorizations += 1;
+                stage.version = self.factorizations;
+                if let Some(nonlinear) = model.nonlinear() {
+                    stage.point.copy_from_slice(point);
+                    let [w, u] = &mut scratch.fields;
+                    nonlinear.scatter(point, [w, u]);
+                    nonlinear.tangent(theta_k, [w, u], &mut stage.tangent);
+                }
                 model.factor(theta_k, stage, scratch)?;
                 stage.find_yielding(scratch)?;
                 stage.theta_k = Some(theta_k);

@@ -52,6 +52,10 @@ impl BodyModel for Reduced {
             matrix: vec![0.0; m * m],
             dense: DenseCholesky::new(m),
             memory: MemBuffer::new(StackReq::EMPTY),
+            excess: Vec::new(),
+            fields: [Vec::new(), Vec::new()],
+            square: Mat::new(),
+            columns: Mat::new(),
         }
     }
 

@@ -43,6 +43,8 @@ pub struct Body {
     pub initial: Option<InitialDisplacement>,
     /// Viscosity A and elasticity B in every cell, and the branches of the memory.
     pub forms: Forms,
+    /// Whether a law is not linear: the operators are then those of the lower tangents.
+    pub is_nonlinear: bool,
     /// The strain norm.
     pub strain: StrainNorm,
     /// Smallest and largest relaxation rate of the materials, 1/s: bounds of all eigenvalues of `A^-1 B`, or of
@@ -107,6 +109,7 @@ impl Body {
             loads,
             probes,
             drives,
+            is_nonlinear: scene.is_nonlinear(),
             strain: StrainNorm::new(&mesh, &dofs, &forms),
             element_rates: forms.rates(mesh.dimension),
             operators,

@@ -145,6 +145,21 @@ impl Cell {
         bent.iter().copied().chain(straight)
     }
 
+    /// Points that integrate what is no polynomial: those of a bent cell, also in a straight one. All weights are positive.
+    pub fn bent_points(&self) -> Vec<(f64, [Vector3<f64>; MOST_NODES])> {
+        if self.bent.is_some() || self.element.bent_points.is_empty() {
+            return self.points().collect();
+        }
+        let of_point = |(at, share): &(Barycentric, f64)| {
+            let mut gradients = [Vector3::zeros(); MOST_NODES];
+            for (node, gradient) in gradients.iter_mut().take(self.element.nodes).enumerate() {
+                *gradient = self.gradient(node, at);
+            }
+            (self.simplex.volume * share, gradients)
+        };
+        self.element.bent_points.iter().map(of_point).collect()
+    }
+
     /// Blocks (3 x 3, row of node `a`, column of node `b`, global axes) of the element matrices of two forms.
     pub fn blocks(&self, a: usize, b: usize, forms: &[Form; 2]) -> [Matrix3<f64>; 2] {
         let mut sums = [Matrix3::zeros(); 2];

@@ -12,8 +12,10 @@ use std::borrow::Cow;
 /// Viscosity A (Pa s) and elasticity B (Pa) in every cell of a mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Forms {
-    /// Of every region, without its factors.
+    /// Of every region, without its factors: for laws that are not linear those of their lower tangents.
     regions: Vec<[Form; 2]>,
+    /// The same of the largest tangents.
+    upper: Vec<[Form; 2]>,
     /// Region of every cell.
     cells: Vec<u32>,
     /// Factors of A and B in every cell; empty where all are 1.
@@ -80,6 +82,10 @@ impl Forms {
         Ok(Forms {
             regions: by_region.iter().map(|m| m.operators.forms()).collect(),
             branches: by_region.iter().map(|m| m.operators.branches()).collect(),
+            upper: by_region
+                .iter()
+                .map(|m| m.operators.upper_forms())
+                .collect(),
             cells: mesh.cell_regions.clone(),
             factors,
         })
@@ -89,6 +95,7 @@ impl Forms {
     pub fn uniform(mesh: &Mesh, forms: [Form; 2]) -> Forms {
         Forms {
             regions: vec![forms; mesh.regions.len()],
+            upper: vec![forms; mesh.regions.len()],
             cells: mesh.cell_regions.clone(),
             factors: Vec::new(),
             branches: vec![Vec::new(); mesh.regions.len()],
@@ -123,8 +130,10 @@ impl Forms {
         let pair = |branches: &Vec<(f64, Form)>| {
             [form(branches, times.first()), form(branches, times.get(1))]
         };
+        let regions: Vec<[Form; 2]> = self.branches.iter().map(pair).collect();
         Forms {
-            regions: self.branches.iter().map(pair).collect(),
+            upper: regions.clone(),
+            regions,
             cells: self.cells.clone(),
             factors: Vec::new(),
             branches: vec![Vec::new(); self.regions.len()],
@@ -177,29 +186,46 @@ impl Forms {
         self.regions.iter().zip(all)
     }
 
+    /// Factors of A and B in a cell.
+    pub fn factors(&self, cell: usize) -> [f64; 2] {
+        self.factors.get(cell).copied().unwrap_or([1.0; 2])
+    }
+
     /// Smallest and largest relaxation rate over the cells, 1/s; the largest is infinite without a dashpot. Bounds, where a law
-    /// beside memory varies.
+    /// beside memory varies or is not linear.
     pub fn rates(&self, dimension: usize) -> [f64; 2] {
         self.spans()
+            .zip(&self.upper)
             .zip(&self.branches)
-            .map(|((forms, spans), branches)| rates(forms, &spans, branches, dimension))
+            .map(|((([a, b], spans), [upper_a, upper_b]), branches)| {
+                let low = rates(&[*upper_a, *b], &spans, branches, dimension)[0];
+                let high = rates(&[*a, *upper_b], &spans, branches, dimension)[1];
+                [low, high]
+            })
             .reduce(|x, y| [x[0].min(y[0]), x[1].max(y[1])])
             .unwrap_or([f64::NAN; 2])
     }
 
-    /// Ellipticity constant m_A of the viscosity (Pa s) and Lipschitz constant L_B of the elasticity with the springs of the
-    /// memory (Pa) over the cells.
-    pub fn constants(&self, dimension: usize) -> [f64; 2] {
-        type Region<'a> = ((&'a [Form; 2], Spans), &'a Vec<(f64, Form)>);
-        let of_region = |(([a, b], spans), branches): Region| {
-            let (m_a, l_b) = (a.extremes(dimension)[0], b.extremes(dimension)[1]);
+    /// Ellipticity and Lipschitz constant m_A and L_A of the viscosity (Pa s), and Lipschitz constant L_B of the elasticity with the
+    /// springs of the memory (Pa), over the cells.
+    pub fn constants(&self, dimension: usize) -> [f64; 3] {
+        type Region<'a> = (
+            ((&'a [Form; 2], Spans), &'a [Form; 2]),
+            &'a Vec<(f64, Form)>,
+        );
+        let of_region = |((([a, _], spans), [upper_a, upper_b]), branches): Region| {
             // the springs of the memory resist at once
             let springs = branches.iter().map(|(_, c)| c.extremes(dimension)[1]);
-            [m_a * spans.a[0], l_b * spans.b[1] + springs.sum::<f64>()]
+            [
+                a.extremes(dimension)[0] * spans.a[0],
+                upper_a.extremes(dimension)[1] * spans.a[1],
+                upper_b.extremes(dimension)[1] * spans.b[1] + springs.sum::<f64>(),
+            ]
         };
-        let all = self.spans().zip(&self.branches).map(of_region);
-        all.fold([f64::INFINITY, 0.0], |[m_a, l_b], [a, b]| {
-            [m_a.min(a), l_b.max(b)]
+        let all = self.spans().zip(&self.upper).zip(&self.branches);
+        let all = all.map(of_region);
+        all.fold([f64::INFINITY, 0.0, 0.0], |[m_a, l_a, l_b], [m, a, b]| {
+            [m_a.min(m), l_a.max(a), l_b.max(b)]
         })
     }
 }

@@ -12,7 +12,7 @@ use dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::cholesky::llt::factor::LltError;
 use faer::linalg::matmul::triangular::{BlockStructure, matmul};
 use faer::perm::PermRef;
-use faer::reborrow::ReborrowMut;
+use faer::reborrow::{Reborrow, ReborrowMut};
 use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
@@ -203,8 +203,15 @@ impl SparseCholesky {
 
     /// Lower Cholesky factor of the condensed operator of the trailing dofs.
     pub fn trailing_factor(&self, factor: &[f64]) -> Mat<f64> {
-        let interior = self.interior();
         let mut lower = Mat::<f64>::zeros(self.trailing, self.trailing);
+        self.copy_trailing(factor, lower.as_mut());
+        lower
+    }
+
+    /// The same into the lower triangle of `lower`.
+    fn copy_trailing(&self, factor: &[f64], mut lower: MatMut<f64>) {
+        let interior = self.interior();
+        lower.fill(0.0);
         let l = SupernodalLltRef::new(self.supernodes(), factor);
         for at in 0..self.supernodes().n_supernodes() {
             let node = l.supernode(at);
@@ -216,18 +223,24 @@ impl SparseCholesky {
                 }
             }
         }
-        lower
     }
 
     /// Condensed operator of the trailing dofs: the product of the trailing block of the factor with its transpose.
     pub fn condensed(&self, factor: &[f64], out: MatMut<f64>) {
-        let lower = self.trailing_factor(factor);
+        let mut lower = Mat::<f64>::zeros(self.trailing, self.trailing);
+        self.condensed_with(factor, lower.as_mut(), out);
+    }
+
+    /// The same with `lower` as scratch, of the shape of `out`.
+    pub fn condensed_with(&self, factor: &[f64], mut lower: MatMut<f64>, out: MatMut<f64>) {
+        self.copy_trailing(factor, lower.rb_mut());
+        let lower = lower.rb();
         let mut out = out;
         matmul(
             out.rb_mut(),
             BlockStructure::TriangularLower,
             Accum::Replace,
-            &lower,
+            lower,
             BlockStructure::TriangularLower,
             lower.transpose(),
             BlockStructure::TriangularUpper,

@@ -86,6 +86,23 @@ impl Form {
         }
     }
 
+    /// The sum of two forms.
+    pub fn plus(&self, other: &Form) -> Form {
+        match (self, other) {
+            (
+                Form::Isotropic { lambda, two_mu },
+                Form::Isotropic {
+                    lambda: lambda_other,
+                    two_mu: two_mu_other,
+                },
+            ) => Form::Isotropic {
+                lambda: lambda + lambda_other,
+                two_mu: two_mu + two_mu_other,
+            },
+            _ => Form::Matrix(self.voigt() + other.voigt()),
+        }
+    }
+
     /// The form as a matrix.
     pub fn voigt(&self) -> Voigt {
         match self {

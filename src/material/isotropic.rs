@@ -5,7 +5,7 @@
 use super::form::Form;
 use super::plane_stress::{Plate, plate};
 use super::variation::Variation;
-use super::{Choice, Law, Parameter, ParameterKind};
+use super::{Choice, Law, Parameter, ParameterKind, is_positive, parameter};
 use crate::expression::PlaceFormula;
 use crate::message::number;
 use crate::refusal::{Refusal, Verdict, ensure, json};
@@ -80,11 +80,6 @@ pub(super) const CONVENTIONS: Choice = Choice {
     ],
 };
 
-fn parameter(key: &str, kind: ParameterKind, text: &'static str) -> Parameter {
-    let key = key.to_owned();
-    Parameter { key, kind, text }
-}
-
 /// `c tr(tau) I + d tau`.
 #[derive(Debug, Clone, Copy)]
 struct Pair {
@@ -135,10 +130,6 @@ impl IsotropicElasticity {
             two_mu: young / (1.0 + poisson),
         }
     }
-}
-
-fn is_positive(value: f64) -> bool {
-    value.is_finite() && value > 0.0
 }
 
 /// The plate with free faces that two laws are, where the elasticity says so.

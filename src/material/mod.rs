@@ -1,12 +1,16 @@
 //! Materials: the operators A (viscosity) and B (elasticity) of a region, one file per law, one line each in the lists below.
 //!
-//! A law declares its parameters, refuses values under which its operator is not positive, and gives its linear form. Everything
-//! else follows from these: the schema of scenes from its type, the parameters of an FMU from the declarations, matrices,
-//! relaxation rates and the certificate from the form. What is not here: cells and matrices (`crate::fem`).
+//! A law declares its parameters, refuses values under which its operator is not positive, and gives its linear form; one whose
+//! stress is no linear function of the strain also what it adds to that form. Everything else follows from these: the schema of
+//! scenes from its type, the parameters of an FMU from the declarations, matrices, relaxation rates and the certificate from the
+//! forms, Newton's method from the excess. What is not here: cells and matrices (`crate::fem`).
 
+mod carreau;
+mod excess;
 mod fit;
 mod form;
 mod fractional;
+mod hencky;
 mod isotropic;
 mod matrix;
 mod measured;
@@ -17,11 +21,16 @@ mod plane_stress;
 mod relative;
 mod resolved;
 mod sheet;
+mod thinning;
 mod variation;
 mod voigt;
+mod von_mises;
 
+pub use carreau::CarreauViscosity;
+pub use excess::{Curve, CurvePoint, Deviator, Excess, ExcessPoint};
 pub use form::{Form, GradientPair};
 pub use fractional::{FractionalKernel, FractionalMemory};
+pub use hencky::HenckyElasticity;
 pub use isotropic::{Convention, IsotropicElasticity, IsotropicViscosity};
 pub use matrix::MatrixLaw;
 pub use measured::{BulkMemory, DynamicMemory, Frequency, RelaxationMemory};
@@ -30,6 +39,7 @@ pub use orthotropic::Orthotropic;
 pub use relative::{Moduli, RelativeMemory, RelativeTerm};
 pub use sheet::Memory;
 pub use voigt::{COMPONENTS, Voigt};
+pub use von_mises::{Base, VonMisesElasticity};
 
 use resolved::{Pair, Resolved};
 
@@ -48,6 +58,7 @@ pub enum Viscosity {
     Isotropic(IsotropicViscosity),
     Orthotropic(Orthotropic),
     Matrix(MatrixLaw),
+    Carreau(CarreauViscosity),
 }
 
 /// Elasticity operator.
@@ -57,6 +68,8 @@ pub enum Elasticity {
     Isotropic(IsotropicElasticity),
     Orthotropic(Orthotropic),
     Matrix(MatrixLaw),
+    VonMises(VonMisesElasticity),
+    Hencky(HenckyElasticity),
 }
 
 impl Default for Viscosity {
@@ -71,6 +84,7 @@ impl Viscosity {
             Viscosity::Isotropic(law) => law,
             Viscosity::Orthotropic(law) => law,
             Viscosity::Matrix(law) => law,
+            Viscosity::Carreau(law) => law,
         }
     }
 }
@@ -81,6 +95,8 @@ impl Elasticity {
             Elasticity::Isotropic(law) => law,
             Elasticity::Orthotropic(law) => law,
             Elasticity::Matrix(law) => law,
+            Elasticity::VonMises(law) => law,
+            Elasticity::Hencky(law) => law,
         }
     }
 }
@@ -118,15 +134,28 @@ pub struct RegionMaterial {
 }
 
 /// A law of an operator, with its values.
-trait Law {
+trait Law: std::fmt::Debug {
     /// Its values, by their keys in the scene; moduli have this unit.
     fn parameters(&self, unit: &'static str) -> Vec<Parameter>;
     /// Refuses values under which the operator is not positive in this dimension; `path` is its place in the scene.
     fn check(&self, dimension: usize, path: &str) -> Verdict;
-    /// Its form, that of a place whose factor is 1.
+    /// Its form, that of a place whose factor is 1: all of a linear law, the lower tangent of another one.
     fn form(&self) -> Form;
+    /// What it adds to its form, at such a place; `None` for a linear law.
+    fn excess(&self) -> Option<Excess> {
+        None
+    }
     /// How it varies over the body.
     fn variation(&self) -> Variation<'_>;
+}
+
+fn parameter(key: &str, kind: ParameterKind, text: &'static str) -> Parameter {
+    let key = key.to_owned();
+    Parameter { key, kind, text }
+}
+
+fn is_positive(value: f64) -> bool {
+    value.is_finite() && value > 0.0
 }
 
 /// A value of a law.
@@ -169,7 +198,7 @@ pub struct Choice {
 }
 
 /// The choices of all laws.
-pub const CHOICES: [&Choice; 1] = [&isotropic::CONVENTIONS];
+pub const CHOICES: [&Choice; 2] = [&isotropic::CONVENTIONS, &excess::DEVIATORS];
 
 /// The operators of one material of a scene.
 #[derive(Debug, Clone, Copy)]
@@ -311,6 +340,26 @@ impl Operators<'_> {
         Ok([a?, b?])
     }
 
+    /// What the laws of A and B add to their forms; `None` for a linear one.
+    pub fn excesses(&self) -> [Option<Excess>; 2] {
+        self.laws().map(|(.., law)| law.excess())
+    }
+
+    /// The forms of A and B with the largest excess: their largest tangents.
+    pub fn upper_forms(&self) -> [Form; 2] {
+        let (forms, excesses) = (self.forms(), self.excesses());
+        std::array::from_fn(|i| match &excesses[i] {
+            None => forms[i],
+            Some(excess) => forms[i].plus(&excess.largest()),
+        })
+    }
+
+    /// The key of the first law that is not linear.
+    pub(crate) fn nonlinear_key(&self) -> Option<&'static str> {
+        let mut laws = self.laws().into_iter();
+        laws.find_map(|(key, _, law)| law.excess().map(|_| key))
+    }
+
     /// Values of all laws, by their paths below the material; what follows from a data sheet has no keys of its own.
     pub fn parameters(&self) -> Vec<(String, Parameter)> {
         let of = |key: &str, unit: &'static str, law: &dyn Law| -> Vec<(String, Parameter)> {
@@ -358,3 +407,6 @@ fn moduli(form: &Form) -> Option<Pair> {
         Form::Matrix(_) => None,
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -115,6 +115,7 @@ impl Model {
             c.c0_squared,
             c.l_g,
             c.m_a,
+            c.l_a,
             c.l_b,
             c.sharp_instant,
             c.sharp_step,
@@ -156,7 +157,7 @@ fn read_parts(from: &mut Reader, scene: &Scene) -> Result<Parts> {
             ));
         }
     };
-    let [c0_squared, l_g, m_a, l_b, sharp_instant, sharp_step] = array(from)?;
+    let [c0_squared, l_g, m_a, l_a, l_b, sharp_instant, sharp_step] = array(from)?;
     let coulomb = match scene.each_contact().any(|c| c.friction.is_coulomb()) {
         false => None,
         true => Some(CoulombConstants {
@@ -177,6 +178,7 @@ fn read_parts(from: &mut Reader, scene: &Scene) -> Result<Parts> {
         && is_positive(&measures)
         && is_positive(&[c0_squared, l_b, sharp_step])
         && m_a >= 0.0
+        && l_a >= m_a
         && sharp_instant >= 0.0
         && l_g >= 0.0
         && coulomb.is_none_or(|c| c.coefficient >= 0.0 && c.weakening >= 0.0 && c.coupling >= 0.0)
@@ -201,7 +203,17 @@ fn read_parts(from: &mut Reader, scene: &Scene) -> Result<Parts> {
         return Err(Reader::refusal("compiled model: initial displacement"));
     }
     let has_strain = strain_weights.is_none();
-    let mut field = || Field::read(from, free_dofs, contact_len, loads, outputs, has_strain);
+    let mut field = || {
+        Field::read(
+            from,
+            scene,
+            free_dofs,
+            contact_len,
+            loads,
+            outputs,
+            has_strain,
+        )
+    };
     let body: Arc<dyn BodyModel> = match kind {
         ModelKind::Full => Arc::new(Full(field()?)),
         ModelKind::Condensed => Arc::new(Condensed(field()?)),
@@ -226,6 +238,7 @@ fn read_parts(from: &mut Reader, scene: &Scene) -> Result<Parts> {
             c0_squared,
             l_g,
             m_a,
+            l_a,
             l_b,
             sharp_instant,
             sharp_step,

@@ -5,6 +5,8 @@
 //!
 //! With several materials `m_A` is the smallest and `L_B` the largest over the cells. The springs of memory count in `L_B`, as they
 //! resist at once.
+//! Where laws are not linear, the operators that are condensed are those of their lower tangents: what is proved for them holds
+//! for every tangent.
 //!
 //! * the continuous problem has one solution when `c0^2 L_g < m_A` (Theorem 5.3; (2.6) with beta = c0^2 L_g, m = m_A);
 //! * a trapezoidal step has one solution when also `k < (m_A - c0^2 L_g) / L_B` (3.6), `L_B` the norm of the elasticity;
@@ -41,6 +43,8 @@ pub struct Certificate {
     pub l_g: f64,
     /// Ellipticity constant of the viscosity, Pa s.
     pub m_a: f64,
+    /// Lipschitz constant of the viscosity, Pa s.
+    pub l_a: f64,
     /// Lipschitz constant of the elasticity, with the springs of the memory, Pa.
     pub l_b: f64,
     /// Smallest eigenvalue of `Omega^-1/2 S Omega^-1/2` for A alone, Pa s/m; 0 where a material has no dashpot.
@@ -172,12 +176,13 @@ pub fn certify(
         StrainNorm::Combination(x, y) => constants(*x, *y)?,
         StrainNorm::Assembled(values) => constants_of(body, cholesky, values)?,
     };
-    let [m_a, l_b] = body.forms.constants(body.mesh.dimension);
+    let [m_a, l_a, l_b] = body.forms.constants(body.mesh.dimension);
     let step = constants(1.0, theta_k)?;
     Ok(Certificate {
         c0_squared: 1.0 / of_strains.sharp,
         l_g: law.weakening,
         m_a,
+        l_a,
         l_b,
         sharp_instant: match body.forms.have_dashpots() {
             true => constants(1.0, 0.0)?.sharp,

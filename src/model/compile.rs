@@ -12,6 +12,7 @@ use crate::body::condensed::Condensed;
 use crate::body::digits::Ends;
 use crate::body::field::Field;
 use crate::body::full::Full;
+use crate::body::nonlinear::Nonlinear;
 use crate::body::reduced::Reduced;
 use crate::body::reduction::port_matrix::PortMatrix;
 use crate::body::reduction::transfer::Sampler;
@@ -270,7 +271,10 @@ fn finish(
         contact: body.contact.clone(),
         measures: body.loads.iter().map(|l| l.measure).collect(),
         motions: Motions::of(scene, body),
-        initial: InitialState::of(body),
+        initial: InitialState::of(
+            body,
+            (kept.model.shared().nonlinear()).map_or(0.0, Nonlinear::start_potential),
+        ),
         certificate,
         strain_weights: match body.strain {
             StrainNorm::Combination(x, y) => Some((x, y)),
@@ -350,7 +354,7 @@ fn keep(
         lost_digits: ends.lost_digits,
     };
     let condensed = |fallback| -> Result<Kept> {
-        let model = Arc::new(Condensed(Field::new(body)?));
+        let model = Arc::new(Condensed(Field::new(scene, body)?));
         Ok(whole(ModelKind::Condensed, model, fallback))
     };
     let reduced = |mut reduction: Reduction| -> Result<Kept> {
@@ -377,11 +381,14 @@ fn keep(
     };
     match scene.fidelity.model {
         ModelKind::Full => {
-            let model = Arc::new(Full(Field::new(body)?));
+            let model = Arc::new(Full(Field::new(scene, body)?));
             Ok(whole(ModelKind::Full, model, None))
         }
         ModelKind::Condensed => condensed(None),
         ModelKind::Reduced => reduced(reduction()?),
+        ModelKind::Auto if body.is_nonlinear => condensed(Some(
+            "a reduced model is made of the modes of a linear body, and a law of the scene is not linear".to_owned(),
+        )),
         ModelKind::Auto => match reduction() {
             Ok(found) => match dearer_step(&found, body, cholesky) {
                 None => reduced(found),

@@ -35,6 +35,8 @@ pub struct Sizes {
     others: f64,
     /// Branches of the memory of the materials.
     branches: f64,
+    /// Entries that a stage keeps beside its factor: the tangents of laws that are not linear.
+    tangent: f64,
 }
 
 impl Sizes {
@@ -85,6 +87,10 @@ impl Sizes {
             contact: extent.contact * (d - 1.0 + f64::from(u8::from(scene.is_pressed()))),
             others: ports(scene, element.dimension),
             branches: branches(scene),
+            tangent: match scene.is_nonlinear() {
+                true => element.row_entries as f64 * dofs,
+                false => 0.0,
+            },
         }
     }
 
@@ -99,6 +105,10 @@ impl Sizes {
             contact: body.contact_len() as f64,
             others: ports(scene, body.mesh.dimension),
             branches: body.operators.memory.len() as f64,
+            tangent: match body.is_nonlinear {
+                true => body.operators.row_idx.len() as f64,
+                false => 0.0,
+            },
         }
     }
 
@@ -119,7 +129,7 @@ impl Sizes {
 
     /// What the full or condensed model adds, with one simulator, bytes.
     fn of_whole(&self) -> f64 {
-        let stage = self.factor + self.contact.powi(2);
+        let stage = self.factor + self.tangent + self.contact.powi(2);
         NUMBER
             * ((3.0 + self.branches) * self.entries
                 + STEP_SIZES * stage

@@ -181,9 +181,9 @@ impl Model {
     pub fn simulator_bytes(&self) -> usize {
         let contact = self.contact.force_len();
         let square = contact.saturating_mul(contact);
-        let stages = self
-            .sizes_kept()
-            .saturating_mul(square.saturating_add(self.body.factor_len()));
+        let stages = self.sizes_kept().saturating_mul(
+            square.saturating_add(self.body.factor_len() + self.body.tangent_len()),
+        );
         let vectors = self.states().saturating_mul(20);
         let numbers = square
             .saturating_mul(6)

@@ -18,8 +18,8 @@ pub(crate) struct InitialState {
 }
 
 impl InitialState {
-    /// That of a body, where it has one.
-    pub fn of(body: &Body) -> Option<InitialState> {
+    /// That of a body, where it has one; laws that are not linear store `beyond` more than B, J.
+    pub fn of(body: &Body, beyond: f64) -> Option<InitialState> {
         let initial = body.initial.as_ref()?;
         let contact = &body.contact;
         let on_contact = &initial.field[body.dofs.contact_start()..];
@@ -42,7 +42,7 @@ impl InitialState {
                 .chain(std::iter::repeat_n(0.0, others))
                 .chain(probes.map(seen))
                 .collect(),
-            energy: initial.energy,
+            energy: initial.energy + beyond,
         })
     }
 

@@ -23,10 +23,10 @@ pub use run::*;
 pub use crate::element::ElementKind;
 pub use crate::expression::{PlaceFormula, PlaceValue};
 pub use crate::material::{
-    Branch, BulkMemory, Convention, DynamicMemory, Elasticity, FractionalKernel, FractionalMemory,
-    Frequency, IsotropicBranch, IsotropicElasticity, IsotropicViscosity, Material, MatrixLaw,
-    Memory, Moduli, Orthotropic, RegionMaterial, RelativeMemory, RelativeTerm, RelaxationMemory,
-    Viscosity,
+    Base, Branch, BulkMemory, CarreauViscosity, Convention, Deviator, DynamicMemory, Elasticity,
+    FractionalKernel, FractionalMemory, Frequency, HenckyElasticity, IsotropicBranch,
+    IsotropicElasticity, IsotropicViscosity, Material, MatrixLaw, Memory, Moduli, Orthotropic,
+    RegionMaterial, RelativeMemory, RelativeTerm, RelaxationMemory, Viscosity, VonMisesElasticity,
 };
 pub use crate::mesh::{Axis, BoxMesh, GmshMesh, Grid, MeshSpec, Rectangle, Refinement, RegionBox};
 
@@ -161,6 +161,12 @@ impl Scene {
             },
         });
         whole.chain(by_region).collect()
+    }
+
+    /// Whether a law of a material is not linear.
+    pub fn is_nonlinear(&self) -> bool {
+        let mut materials = self.materials().into_iter();
+        materials.any(|material| material.operators.nonlinear_key().is_some())
     }
 
     /// Declared values of the materials, by their paths in the scene.

@@ -5,6 +5,7 @@
 mod body;
 mod initial;
 mod motion;
+mod nonlinear;
 
 use super::types::*;
 use crate::message::{cut, number};
@@ -42,6 +43,7 @@ pub(super) fn check_in(scene: &Scene, dimension: Option<usize>) -> Verdict {
     check_time(&scene.time)?;
     check_dashpots(scene)?;
     check_precision(&scene.fidelity)?;
+    nonlinear::check(scene)?;
     check_work_limit(scene)?;
     check_target(scene)?;
     check_signals(scene)

@@ -74,7 +74,20 @@ impl Simulator {
         control.map_or(0, |control| control.refused)
     }
 
-    /// Stage factorizations made so far: one per step size that was not among the last few.
+    /// Iterations of Newton's method on the body so far, one linearised stage each; 0 where all laws are linear.
+    pub fn body_iterations(&self) -> u64 {
+        let newton = self.workspace.nonlinear.as_ref();
+        newton.map_or(0, |newton| newton.iterations)
+    }
+
+    /// Halvings of its steps so far.
+    pub fn body_halvings(&self) -> u64 {
+        let newton = self.workspace.nonlinear.as_ref();
+        newton.map_or(0, |newton| newton.halvings)
+    }
+
+    /// Stage factorizations made so far: one per step size that was not among the last few; where laws are not linear one per point
+    /// of their tangents.
     pub fn factorizations(&self) -> u64 {
         self.workspace.stages.factorizations
     }

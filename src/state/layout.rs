@@ -39,6 +39,8 @@ pub(crate) struct Sizes {
     /// Whether contact has a normal component, and steps have means apart from the values at their ends.
     pub has_normal: bool,
     pub has_means: bool,
+    /// Numbers of the points of the body's tangents; 0 where all laws are linear.
+    pub tangents: usize,
     /// Whether the friction law has a state of its own.
     pub has_memory: bool,
     /// Terms of the kernel by which the law remembers slip.

@@ -8,6 +8,7 @@ mod solution;
 pub(crate) use solution::Instant;
 use solution::Solution;
 
+use crate::body::nonlinear::points_len;
 use crate::contact::pressed;
 use crate::contact::solve::newton::linearisation::clear_points;
 use crate::error::{Error, Result};
@@ -158,6 +159,7 @@ impl State {
             contacts: model.contact().parts.len(),
             has_normal: model.contact().has_normal,
             has_means: !model.tableau().ends_with_stage(),
+            tangents: (model.body().nonlinear()).map_or(0, |cells| points_len(cells.point_len())),
             has_memory: model.friction().has_memory(),
             kernel_terms: model.friction().kernel().terms().len(),
             coefficients: model.friction().start().len(),

@@ -59,6 +59,8 @@ blocks! {
         normal_displacement: Motion[|s| s.normal()],
         /// State of the friction law at every node, s, where it has one.
         friction_state: Given[|s| s.memory()],
+        /// Points of the tangents with which the body is factored (see `body::nonlinear::points`).
+        tangents: Motion[|s| s.tangents],
         /// Fading memory of slip, m, where the law has a kernel: its terms, node by node.
         slip_memory: Magnitude[|s| s.slip_memory()],
         /// Points at which the friction solver last factored its matrix (see `contact::solve::newton::linearisation`).

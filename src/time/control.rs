@@ -178,7 +178,7 @@ fn refuse(
             (excess.log2() / order).ceil().clamp(1.0, MOST_HALVINGS)
         }
         Err(Error::ToleranceOutOfReach { .. }) => MOST_HALVINGS,
-        Err(Error::NotConverged { .. }) => HALVINGS_UNKNOWN,
+        Err(Error::NotConverged { .. } | Error::BodyNotConverged { .. }) => HALVINGS_UNKNOWN,
         _ => return reason.map(|()| Verdict::Accepted),
     };
     let smallest = 2.0 * SMALLEST * model.largest_step();

@@ -1,7 +1,7 @@
 //! Time: the schemes, one step as a sequence of stages, the parts of a master's step, and its tangents.
 //!
 //! `step` is the algorithm of a step; what it calls stands beside it: `stage` solves one implicit stage (`contact` and `pressed` its
-//! contact, `relative` what moves with the body or under it), `record` integrates what a stage adds, `sizes` cuts a step into parts,
+//! contact, `relative` what moves with the body or under it, `nonlinear` the laws of the body where they are not linear), `record` integrates what a stage adds, `sizes` cuts a step into parts,
 //! `control` chooses part sizes by `estimate`, and `derivatives` differentiates a step by `tangent`.
 
 pub(crate) mod companion;
@@ -15,6 +15,7 @@ pub(crate) mod input_course;
 mod limit;
 pub(crate) mod lost_digits;
 pub(crate) mod memory;
+pub(crate) mod nonlinear;
 pub(crate) mod pressed;
 pub(crate) mod record;
 pub(crate) mod relative;

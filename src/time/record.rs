@@ -4,6 +4,7 @@ use super::foundation;
 use super::scheme::{Stage, Tableau};
 use super::velocity::Velocity;
 use super::workspace::{Explicit, Workspace};
+use crate::body::nonlinear::VISCOUS;
 use crate::linalg::{add_scaled, dot};
 use crate::model::Model;
 use crate::model::motions::{Approach, Motions};
@@ -110,6 +111,21 @@ pub(crate) fn add_energies(model: &Model, state: &mut State, ws: &mut Workspace,
     mean.set_mean(tableau, velocities);
     let (mut viscous, _) = model.body().products(&mean.instant.velocity);
     let (_, mut elastic) = model.body().products(&state.main.displacement);
+    if let (Some(cells), Some(scratch)) = (model.body().nonlinear(), &mut ws.nonlinear) {
+        let mean_rate = &mean.instant.velocity;
+        elastic += 2.0 * cells.stored(&state.main.displacement);
+        // the mean stress does the work, whatever law it comes from
+        let known = &velocities[..=tableau.stages().len()];
+        for (j, velocity) in known.iter().enumerate() {
+            let weight = tableau.weight(j);
+            if weight != 0.0 {
+                scratch.force.fill(0.0);
+                let rate = &velocity.instant.velocity;
+                cells.add_forces(VISCOUS, rate, &mut scratch.force);
+                viscous += weight * dot(&scratch.force, &mean_rate[..scratch.force.len()]);
+            }
+        }
+    }
     let motions = model.motions();
     // both begin with the loads
     let loads = &mean.load[..motions.loads()];

@@ -4,6 +4,7 @@
 use super::companion::{Companion, StagePlace};
 use super::contact;
 use super::memory::{self, Span};
+use super::nonlinear;
 use super::pressed::Level;
 use super::record::explicit_part;
 use super::slip_memory;
@@ -142,13 +143,36 @@ fn solve_stage(
     model: &Model,
     state: &mut State,
     ws: &mut Workspace,
+    at: (f64, Level, Span),
+    index: usize,
+) -> Result<()> {
+    match model.body().nonlinear() {
+        None => {
+            ws.stages.get(model.body(), at.0, &mut ws.scratch)?;
+            solve_linearised(model, state, ws, at, index)?;
+        }
+        Some(cells) => nonlinear::solve(model, cells, state, ws, at, index)?,
+    }
+    if index > 0 {
+        let span = at.2;
+        memory::advance(model, state, &ws.before, span, &mut ws.velocities[index]);
+        let (known, rest) = ws.velocities.split_at_mut(index);
+        slip_memory::advance(model, &known[index - 1], span.step, &mut rest[0]);
+    }
+    Ok(())
+}
+
+/// The same for a body that is linear, or linearised, with the factorization that was asked for last.
+pub(super) fn solve_linearised(
+    model: &Model,
+    state: &mut State,
+    ws: &mut Workspace,
     (theta_k, level, span): (f64, Level, Span),
     index: usize,
 ) -> Result<()> {
-    let stage = ws.stages.get(model.body(), theta_k, &mut ws.scratch)?;
     ws.relative.predict(
         model,
-        stage,
+        ws.stages.current(),
         &ws.explicit.displacement,
         &ws.load,
         &mut ws.condensed_load,
@@ -193,11 +217,6 @@ fn solve_stage(
     };
     entry[report::ENDING] = entry[report::ENDING].max(ending);
     correct(model, ws, theta_k, index);
-    if index > 0 {
-        memory::advance(model, state, &ws.before, span, &mut ws.velocities[index]);
-        let (known, rest) = ws.velocities.split_at_mut(index);
-        slip_memory::advance(model, &known[index - 1], span.step, &mut rest[0]);
-    }
     Ok(())
 }
 

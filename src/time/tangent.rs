@@ -2,12 +2,14 @@
 
 use super::contact::problem;
 use super::memory::{Span, bound_slopes, remembering, state_slopes};
+use super::nonlinear::set_displacement;
 use super::pressed::{Level, PressedStage, scatter};
 use super::relative::Relative;
 use super::scheme::MAX_STAGES;
 use super::slip_memory;
 use super::velocity::Velocity;
 use super::workspace::{Explicit, LoadCourse, Workspace};
+use crate::body::nonlinear::ELASTIC;
 use crate::contact::pressed::PressedProblem;
 use crate::contact::pressed::tangent::{Derivatives, PressedTangent};
 use crate::contact::solve::tangent::FrictionTangent;
@@ -93,6 +95,9 @@ impl Tangents {
     ) -> Result<()> {
         ws.velocities[0].load_from(state);
         ws.explicit
+            .displacement
+            .copy_from_slice(&state.main.displacement);
+        ws.explicit
             .accumulated_slip
             .copy_from_slice(&state.main.accumulated_slip);
         ws.explicit
@@ -120,7 +125,18 @@ impl Tangents {
         slip_memory::set_base(model, &ws.velocities[previous], at, slip);
         let scale = slip_memory::scale(model, span.length, theta_k);
         let solution = &ws.velocities[index].instant;
-        let stage = ws.stages.get(model.body(), theta_k, &mut ws.scratch)?;
+        let nonlinear = model.body().nonlinear().zip(ws.nonlinear.as_mut());
+        let stage = match nonlinear {
+            None => ws.stages.get(model.body(), theta_k, &mut ws.scratch)?,
+            // the tangents of the laws at the solution
+            Some((cells, own)) => {
+                let (p, u) = (&ws.explicit.displacement, &mut own.displacement);
+                set_displacement(p, theta_k, &solution.velocity, u);
+                cells.gather([&solution.velocity, u], &mut own.point);
+                ws.stages
+                    .get_at(model.body(), theta_k, &own.point, &mut ws.scratch)?
+            }
+        };
         let bounds = model.friction().with(&state.coefficients).scaled(scale);
         let weights = &model.contact().weights;
         ws.before.take(&ws.velocities[previous]);
@@ -169,6 +185,12 @@ impl Tangents {
             let velocity = &mut tangent.velocities[index];
             let p = &tangent.explicit.displacement;
             let inputs = &tangent.load;
+            if let Some((cells, own)) = model.body().nonlinear().zip(ws.nonlinear.as_ref()) {
+                let excess = &mut ws.scratch.excess;
+                excess.fill(0.0);
+                cells.add_slopes(ELASTIC, &own.displacement, p, excess);
+                excess.iter_mut().for_each(|value| *value = -*value);
+            }
             self.relative
                 .predict(model, stage, p, inputs, dr, &mut ws.scratch);
             let slip = &tangent.explicit.accumulated_slip;

@@ -7,6 +7,7 @@ use super::record::{explicit_part, integrate, power_of_motions};
 use super::tangent::Tangents;
 use super::workspace::Workspace;
 use crate::body::BodyModel;
+use crate::body::nonlinear::{ELASTIC, VISCOUS};
 use crate::error::Result;
 use crate::linalg::dot;
 use crate::model::Model;
@@ -146,6 +147,26 @@ impl Companion for Tangents {
             let mut external = dot(&loads(&mean.load), &d.instant.output_velocity)
                 + dot(&loads(&d.load), &mean.instant.output_velocity);
             let (mut viscous, mut elastic) = (viscous, elastic);
+            if let Some(cells) = body.nonlinear() {
+                let rate = &mean.instant.velocity;
+                for (j, velocity) in ws.velocities[..=last].iter().enumerate() {
+                    let (weight, at) = (tableau.weight(j), &velocity.instant.velocity);
+                    if weight == 0.0 {
+                        continue;
+                    }
+                    let mut force = vec![0.0; at.len()];
+                    cells.add_forces(VISCOUS, at, &mut force);
+                    // half of it: the share of the linear part is doubled below
+                    viscous += 0.5 * weight * dot(&force, &d.instant.velocity);
+                    force.fill(0.0);
+                    let along = &t.velocities[j].instant.velocity;
+                    cells.add_slopes(VISCOUS, at, along, &mut force);
+                    viscous += 0.5 * weight * dot(&force, rate);
+                }
+                let mut force = vec![0.0; displacement.len()];
+                cells.add_forces(ELASTIC, &state.main.displacement, &mut force);
+                elastic += dot(&force, displacement);
+            }
             if !motions.is_empty() {
                 let rate = |ends: [Approach; 2]| Approach::rate(ends[0], ends[1], k);
                 let (approach, approaches) = (rate(ws.approach), rate(t.approach));

@@ -3,6 +3,7 @@
 use super::finite::FiniteCheck;
 use super::limit::WorkLimit;
 use super::memory::Before;
+use super::nonlinear::BodyNewton;
 use super::pressed::PressedScratch;
 use super::relative::Relative;
 use super::scheme::MAX_STAGES;
@@ -152,6 +153,8 @@ pub(crate) struct Workspace {
     pub approach: [Approach; 2],
     /// Scratch of the solver with pressure, where there is one.
     pub pressed: Option<PressedScratch>,
+    /// Scratch of the body's own iterations, where its laws are not linear.
+    pub nonlinear: Option<BodyNewton>,
     /// What the memory of the friction law begins with in the stage that is solved.
     pub before: Before,
     pub condensed_load: Vec<f64>,
@@ -184,6 +187,7 @@ impl Workspace {
             has_settled: false,
             approach: [Approach::NONE; 2],
             pressed: contact.has_normal.then(|| PressedScratch::new(model)),
+            nonlinear: BodyNewton::new(model),
             before: Before::new(model),
             velocities: std::array::from_fn(|_| Velocity::new(model)),
             mean: Velocity::new(model),

@@ -460,6 +460,13 @@ pub(super) struct FactorCache {
 }
 
 impl FactorCache {
+    /// Forgets all factors: those of problems to come have another S.
+    pub fn forget(&mut self) {
+        for factor in &mut self.factors {
+            factor.is_made = false;
+        }
+    }
+
     pub fn new(nodes: usize, components: usize) -> FactorCache {
         FactorCache {
             factors: (0..POINTS)

@@ -92,6 +92,11 @@ impl PressedWorkspace {
         }
     }
 
+    /// Forgets what was factored: the problems to come have another S. Nothing else that it holds outlives a solve.
+    pub fn forget(&mut self) {
+        self.chain.newton.cache.forget();
+    }
+
     /// Work done so far.
     pub fn work(&self) -> PressedWork {
         let Chain { newton, work, .. } = &self.chain;

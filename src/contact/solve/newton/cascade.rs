@@ -190,6 +190,13 @@ impl Level {
 }
 
 impl Cascade {
+    /// Forgets what was factored.
+    pub fn forget(&mut self) {
+        for level in &mut self.levels {
+            level.newton.forget();
+        }
+    }
+
     /// For `nodes` nodes with `components` tangential components each.
     pub fn new(nodes: usize, components: usize) -> Cascade {
         let mut levels: Vec<Level> = Vec::new();

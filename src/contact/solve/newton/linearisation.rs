@@ -241,6 +241,14 @@ impl FactorCache {
         true
     }
 
+    /// Forgets all factors: those of problems to come have another S.
+    pub fn forget(&mut self) {
+        self.current = None;
+        for factor in &mut self.factors {
+            factor.is_made = false;
+        }
+    }
+
     /// The factor prepared last, if it could be.
     pub fn current(&self) -> Option<&Factor> {
         self.current.map(|slot| &self.factors[slot])

@@ -155,6 +155,12 @@ impl Workspace {
         problem.worst_node(&self.accepted, problem.yardstick())
     }
 
+    /// Forgets what was factored: the problems to come have another S. Nothing else that it holds outlives a solve.
+    pub fn forget(&mut self) {
+        self.cache.forget();
+        self.cascade.forget();
+    }
+
     /// The accepted point.
     pub fn accepted(&self) -> &Point {
         &self.accepted
