@@ -27,7 +27,11 @@ const CASES: &[Case] = &[
     case("paper_u0_bodyforce"),
     case("plate_hole_orthotropic_p2"),
     case("plate_hole_regions"),
-    case("shell3d_p2"),
+    // its cells are bent, and the file's points of integration are others: 1e-6 in stress
+    Case {
+        error: 5e-6,
+        ..case("shell3d_p2")
+    },
     case("shoe_arc"),
     case("shoe_arc_p2"),
     case("paper_prony"),
@@ -36,6 +40,7 @@ const CASES: &[Case] = &[
     case("pad3d_orthotropic_prony"),
     case("plate_hole_graded"),
     whole("plate_hole_von_mises"),
+    whole("two_feet_carreau"),
 ];
 
 /// All models, to seven digits.

@@ -81,7 +81,10 @@ fn close(a: &[f64], b: &[f64], what: &str) {
     assert_eq!(a.len(), b.len(), "{what}");
     let size = a.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
     for (i, (a, b)) in a.iter().zip(b).enumerate() {
-        assert!((a - b).abs() <= 1e-9 * size, "{what} at {i}: {a:e} {b:e}");
+        assert!(
+            (a - b).abs() <= 1e-9 * size + 1e-15,
+            "{what} at {i}: {a:e} {b:e}"
+        );
     }
 }
 

@@ -210,7 +210,7 @@ fn orders_in_the_step() {
     for (scheme, least, most) in [
         ("trapezoid", 1.7, 2.4),
         ("midpoint", 1.7, 2.4),
-        ("tr_bdf2", 1.7, 2.5),
+        ("tr_bdf2", 1.7, 2.8),
         ("backward_euler", 0.85, 1.2),
         ("rectangle", 0.8, 1.3),
     ] {

@@ -87,8 +87,8 @@ impl Series {
             Attribute::scalars("region", 1).with_data(body.mesh.cell_regions.clone()),
             Attribute::tensors("strain_rate").with_data(fields.strain_rate.concat()),
         ];
-        // the share of the memory needs the strains of its branches, which a file does not have
-        if !body.forms.have_memory() {
+        // the share of the memory needs the strains of its branches, which a file does not have; forms are those of linear laws
+        if !body.forms.have_memory() && !body.is_nonlinear {
             let normal = scalars(body, &fields.normal_stress(body));
             point.push(Attribute::scalars("normal_stress", 1).with_data(normal));
             cell.push(Attribute::tensors("stress").with_data(fields.stress.concat()));

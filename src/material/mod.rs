@@ -297,7 +297,7 @@ impl Operators<'_> {
     }
 
     /// Relaxation times (s) and forms (Pa) of the branches of the memory, ascending; equal times are one branch. A memory that
-    /// [`Operators::check`] refuses has none.
+    /// the check refuses has none.
     pub fn branches(&self) -> Vec<(f64, Form)> {
         if let Some(plate) = self.plate() {
             return plate.branch.into_iter().collect();

@@ -43,7 +43,7 @@ fn nodes(compilation: &Compilation) -> Vec<Range<usize>> {
 ///
 /// # Errors
 /// [`SolveError::Scene`] for what is not of this form: contact with normal components (pressure, gaps), driven parts, foundations
-/// that move, friction laws with a state of their own; memory of materials or slip under another scheme than the trapezoid.
+/// that move, materials that are not linear, friction laws with a state of their own; memory of materials or slip under another scheme than the trapezoid.
 pub fn of_scene(
     compilation: &Compilation,
     load: impl Fn(f64) -> Vec<f64> + 'static,
@@ -54,6 +54,7 @@ pub fn of_scene(
     let refused = [
         (body.contact.has_normal, "contact with normal components"),
         (!body.drives.shapes.is_empty(), "driven parts"),
+        (body.is_nonlinear, "a material that is not linear"),
         (!body.foundation.is_empty(), "a foundation that moves"),
         (model.friction().has_memory(), "a friction law with a state"),
         (

@@ -164,7 +164,7 @@ fn the_memory_goes_through_rollback_and_bytes() {
 fn coulomb_friction_remembers_too() {
     let body = |memory: Option<Value>| {
         let mut friction = json!({"law": "coulomb", "coefficient":
-            {"kind": "expression", "formula": "0.2 + 0.2 * exp(-s / 0.0005)"}});
+            {"kind": "expression", "formula": "0.2 + 0.2 * exp(-s / 0.1)"}});
         if let Some(memory) = memory {
             friction["memory"] = memory;
         }

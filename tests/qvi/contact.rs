@@ -49,15 +49,21 @@ fn compare(value: &Value, rule: &Quadrature) -> usize {
             simulator.set_inputs(&[load(n as f64 * k)]).unwrap();
             simulator.do_step((n - 1) as f64 * k, k).unwrap();
         }
+        // behind the body come the branches of a memory
+        let own = |field: &[f64]| field[..w.len()].to_vec();
         let state = simulator.state();
-        assert!(relative(w.as_slice(), state.velocity()) < 1e-10, "step {n}");
+        assert!(
+            relative(w.as_slice(), &own(state.velocity())) < 1e-10,
+            "step {n}"
+        );
         if n > 0 {
             let [displacement, slip, ..] = run.histories() else {
                 panic!("two histories and more")
             };
             let initial = compilation.body.initial.as_ref();
             let initial = initial.map_or(vec![0.0; w.len()], |initial| initial.field.clone());
-            let fields = state.displacement().iter().zip(&initial);
+            let displaced = own(state.displacement());
+            let fields = displaced.iter().zip(&initial);
             let of_simulator: Vec<f64> = fields.map(|(u, start)| u + start).collect();
             let off = relative(displacement.as_slice(), &of_simulator);
             assert!(off < 1e-10, "displacement of step {n}: {off:e}");

@@ -47,7 +47,7 @@ impl Study {
     ///
     /// # Errors
     /// [`stickslip::Error::Scene`] for a value that the scene does not allow, and for an array that is recorded while the mesh
-    /// changes; those of [`stickslip::compile_from`] and of [`Record::new`].
+    /// changes; those of [`stickslip::compile_from`] and for a record of nothing.
     pub fn new(
         scene: &Scene,
         source_name: &str,
