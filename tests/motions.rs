@@ -9,11 +9,12 @@ use stickslip::simulator::drive::Drive;
 use stickslip::{Model, Simulator, compile};
 
 /// What the scenes have: condition and friction.
-const PRESSED: [&str; 6] = [
+const PRESSED: [&str; 7] = [
     "bound",
     "bilateral",
     "unilateral",
     "compliance",
+    "relaxing",
     "rotation",
     "rate_and_state",
 ];
@@ -22,6 +23,8 @@ fn text(kind: &str, model: &str, scheme: &str, input: &str) -> Value {
     let condition = match kind {
         "unilateral" | "rate_and_state" => json!({"kind": "unilateral", "gap": 0.001}),
         "compliance" => json!({"kind": "compliance", "stiffness": 40.0, "exponent": 1.5}),
+        "relaxing" => json!({"kind": "compliance", "stiffness": 20.0, "exponent": 1.5, "memory": {
+            "kernel": [{"weight": 3.0, "tau": 0.05}, {"weight": 1.0, "tau": 4.0}]}}),
         _ => json!({"kind": "bilateral"}),
     };
     let friction = match kind {
@@ -121,7 +124,7 @@ fn power_balance_is_closed() {
                 );
             }
         }
-        for kind in ["unilateral", "compliance"] {
+        for kind in ["unilateral", "compliance", "relaxing"] {
             let balance = |step: f64| {
                 let mut scene = text(kind, model, "tr_bdf2", "velocity");
                 scene["time"]["step"] = json!(step);

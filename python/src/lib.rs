@@ -10,6 +10,7 @@
 
 mod array;
 mod command;
+mod compilation;
 mod compile;
 mod error;
 mod free;

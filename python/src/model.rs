@@ -1,7 +1,7 @@
 //! The compiled model: what it is, its ports, its contact, its matrices, and fields on the mesh.
 
 use crate::array::{array, integers, points, value};
-use crate::compile::compiled;
+use crate::compilation::compiled;
 use crate::error::raised;
 use crate::free::freely;
 use crate::port::Port;

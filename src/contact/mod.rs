@@ -23,6 +23,7 @@ mod plane;
 pub mod point;
 pub mod pressed;
 pub mod problem;
+pub mod relaxing;
 pub mod solve;
 mod space;
 

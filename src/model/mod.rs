@@ -18,6 +18,7 @@ pub(crate) use memory::ensure_available;
 pub use selection::Selection;
 
 use crate::contact::law::ContactLaw;
+use crate::contact::relaxing::RelaxingPart;
 use crate::contact::solve::fixed_point::FixedPoint;
 use crate::fem::ContactPatch;
 use crate::files::MemoryFiles;
@@ -104,6 +105,7 @@ pub struct Model {
     ports: Ports,
     friction: ContactLaw,
     conditions: Vec<Condition>,
+    relaxing: Vec<RelaxingPart>,
     tableau: Tableau,
     start: Start,
     largest_step: f64,
@@ -264,6 +266,19 @@ impl Model {
     /// The normal condition of every contact.
     pub(crate) fn conditions(&self) -> &[Condition] {
         &self.conditions
+    }
+
+    /// The contacts whose foundation remembers penetration.
+    pub(crate) fn relaxing(&self) -> &[RelaxingPart] {
+        &self.relaxing
+    }
+
+    /// Contact nodes, where a foundation remembers penetration.
+    pub(crate) fn relaxing_nodes(&self) -> usize {
+        match self.relaxing.is_empty() {
+            true => 0,
+            false => self.contact.node_count(),
+        }
     }
 
     /// Linear outputs of the body: one per column of forces, then the components of the probes.

@@ -8,14 +8,15 @@ use super::start::InitialState;
 use super::{BodyModel, Model, ReductionRecord, SolverSettings, Summary};
 use crate::body::digits::can_lose_in_steps;
 use crate::contact::law::ContactLaw;
+use crate::contact::relaxing::{Branch, RelaxingFoundation, RelaxingPart};
 use crate::contact::solve::fixed_point::FixedPoint;
 use crate::error::Result;
 use crate::fem::ContactPatch;
 use crate::files::MemoryFiles;
 use crate::ports::{DrivenPort, FoundationPort, Ports, Shapes};
 use crate::scene::{
-    DrivenDirection, DrivenInput, FixedPointStop, Foundation, FrictionSolver, Interpolation,
-    LoadKind, ModelKind, Run, Scene,
+    Condition, DrivenDirection, DrivenInput, FixedPointStop, Foundation, FrictionSolver,
+    Interpolation, LoadKind, ModelKind, Run, Scene,
 };
 use crate::state::State;
 use crate::time::scheme::Tableau;
@@ -67,6 +68,7 @@ impl Model {
             probes: scene.probes.len(),
             friction,
             conditions: scene.each_contact().map(|c| c.condition.clone()).collect(),
+            relaxing: relaxing(scene, &parts.contact),
             tableau: Tableau::of(scene.scheme()),
             start: scene.time.start,
             largest_step: scene.time.step,
@@ -89,6 +91,41 @@ impl Model {
         model.state_bytes = State::byte_len_of(&model);
         Ok(model)
     }
+}
+
+/// The contacts whose foundation remembers penetration.
+fn relaxing(scene: &Scene, contact: &ContactPatch) -> Vec<RelaxingPart> {
+    let mut parts = Vec::new();
+    let mut first = 0;
+    for (index, (of, part)) in scene.each_contact().zip(&contact.parts).enumerate() {
+        let Condition::Compliance {
+            stiffness,
+            exponent,
+            memory: Some(memory),
+            ..
+        } = &of.condition
+        else {
+            continue;
+        };
+        let branches = memory.kernel.iter().map(|term| Branch {
+            weight: term.weight,
+            tau: term.tau,
+        });
+        let foundation = RelaxingFoundation {
+            stiffness: *stiffness,
+            exponent: *exponent,
+            branches: branches.collect(),
+        };
+        let numbers = first..first + part.nodes.len() * foundation.numbers();
+        first = numbers.end;
+        parts.push(RelaxingPart {
+            foundation,
+            contact: index,
+            nodes: part.nodes.clone(),
+            numbers,
+        });
+    }
+    parts
 }
 
 fn summary(scene: &Scene, parts: &Parts) -> Summary {

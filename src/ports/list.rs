@@ -252,10 +252,9 @@ impl Ports {
         ] {
             self.add_of(scope, name, unit, shape, quantity, text);
         }
-        if !shapes.friction.kernel().is_empty() {
+        if scope.has_kernel {
             let text = "Slip as the kernel of the friction law remembers it.";
-            let name = "contact.slip_memory";
-            self.add(name, "m", Causality::Output, nodal, SlipMemory, text);
+            self.add_of(scope, "slip_memory", "m", nodal, SlipMemory, text);
         }
         if shapes.has_means {
             for (name, unit, quantity, text) in [
@@ -429,6 +428,8 @@ struct Scope<'a> {
     nodes: usize,
     can_open: bool,
     has_memory: bool,
+    /// Whether the one law of all its nodes has a kernel of slip.
+    has_kernel: bool,
 }
 
 impl Scope<'_> {
@@ -441,6 +442,7 @@ impl Scope<'_> {
             nodes: contacts.iter().map(|part| part.nodes.len()).sum(),
             can_open: contacts.iter().any(|part| part.can_open),
             has_memory: shapes.friction.has_memory(),
+            has_kernel: matches!(shapes.friction.parts(), [one] if !one.law.kernel().is_empty()),
         }];
         for (i, (part, law)) in contacts.iter().zip(shapes.friction.parts()).enumerate() {
             if part.name != CONTACT {
@@ -450,6 +452,7 @@ impl Scope<'_> {
                     nodes: part.nodes.len(),
                     can_open: part.can_open,
                     has_memory: law.law.has_memory(),
+                    has_kernel: !law.law.kernel().is_empty(),
                 });
             }
         }

@@ -87,9 +87,10 @@ pub(crate) fn read(model: &Model, state: &State, port: &Port, out: &mut [f64]) {
         Quantity::SlipRate => return out.copy_from_slice(&state.main.instant.slip_rate[own]),
         Quantity::Slip => return out.copy_from_slice(&state.slip[own]),
         Quantity::SlipMemory => {
-            // a scene with a kernel has one contact
-            let kernel = model.friction().kernel();
-            let states = state.main.slip_memory.chunks_exact(kernel.terms().len());
+            let part = &model.friction().parts()[contact.part_of(nodes.start)];
+            let kernel = part.law.kernel();
+            let states = &state.main.slip_memory[part.slip_memory.clone()];
+            let states = states.chunks_exact(kernel.terms().len());
             for (out, states) in out.iter_mut().zip(states) {
                 *out = kernel.value(states);
             }

@@ -7,7 +7,7 @@
 //!
 //! X are the velocities of the free components with the inner product of the strains, `S_1 w = u0 + int w` the displacement, `S_2 w`
 //! the accumulated slip, or what the kernel of the law remembers of it (iota is `|w_tau|` at every contact node), phi is B, j the friction with nodal
-//! quadrature, K the whole space: the normal components of contact nodes have no number.
+//! quadrature (one S_2 per contact), K the whole space: the normal components of contact nodes have no number.
 //!
 //! A material with memory has one more history per branch, `S_j w = int exp(-(t-s)/tau_j) w`, and `C_j S_j w` in phi.
 //!
@@ -50,7 +50,7 @@ pub fn of_scene(
 ) -> Result<Inequality, SolveError> {
     let (model, body) = (Arc::clone(&compilation.model), &compilation.body);
     let branches = &body.operators.memory;
-    let has_memory = !branches.is_empty() || !model.friction().kernel().is_empty();
+    let has_memory = !branches.is_empty() || model.friction().slip_memory_len() > 0;
     let refused = [
         (body.contact.has_normal, "contact with normal components"),
         (!body.drives.shapes.is_empty(), "driven parts"),
@@ -95,11 +95,14 @@ pub fn of_scene(
         None => DVector::zeros(n),
     };
     let nodes = nodes(compilation);
-    problem.histories = vec![
-        HistoryOperator::new(Kernel::constant(1.0), start),
-        slip(model.friction().kernel(), nodes.clone()),
-    ];
-    let mut matrices = vec![Some(b), None];
+    let contacts = model.friction().parts();
+    problem.histories = vec![HistoryOperator::new(Kernel::constant(1.0), start)];
+    for part in contacts {
+        let own = nodes[part.nodes.clone()].to_vec();
+        problem.histories.push(slip(part.law.kernel(), own));
+    }
+    let mut matrices = vec![Some(b)];
+    matrices.extend(contacts.iter().map(|_| None));
     for branch in branches {
         let history = HistoryOperator::new(Kernel::exponential(branch.tau), DVector::zeros(n));
         problem.histories.push(HistoryOperator {
@@ -113,17 +116,20 @@ pub fn of_scene(
     let certificate = model.certificate();
     let beta = certificate.c0_squared * certificate.l_g;
     let bounds = move |at: &[DVector<f64>], coefficients: &mut [f64]| {
-        // w and its histories: displacement, slip
-        let (w, slip) = (&at[0], &at[2]);
+        // w and its histories: displacement, slip of every contact
+        let (w, slips) = (&at[0], &at[2..]);
         let friction = model.friction();
         let law = friction.with(friction.start());
-        for (node, coefficient) in coefficients.iter_mut().enumerate() {
-            let path = SlipPath {
-                base: slip[node],
-                per_rate: 0.0,
-            };
-            let rate = length(w, &nodes[node]);
-            *coefficient += model.contact().weights[node] * law.evaluate(node, rate, path).bound;
+        for (part, slip) in friction.parts().iter().zip(slips) {
+            for (node, slip) in part.nodes.clone().zip(slip.iter()) {
+                let path = SlipPath {
+                    base: *slip,
+                    per_rate: 0.0,
+                };
+                let rate = length(w, &nodes[node]);
+                let bound = law.evaluate(node, rate, path).bound;
+                coefficients[node] += model.contact().weights[node] * bound;
+            }
         }
     };
     problem.j = Box::new(Coefficients::new(beta, bounds));

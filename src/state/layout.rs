@@ -43,8 +43,10 @@ pub(crate) struct Sizes {
     pub tangents: usize,
     /// Whether the friction law has a state of its own.
     pub has_memory: bool,
-    /// Terms of the kernel by which the law remembers slip.
-    pub kernel_terms: usize,
+    /// Numbers of the fading memory of slip.
+    pub slip_memory: usize,
+    /// Numbers of foundations that remember penetration.
+    pub penetration: usize,
     pub coefficients: usize,
     /// Whether there is a second solution.
     pub has_second: bool,
@@ -68,11 +70,6 @@ impl Sizes {
     /// States of the friction law.
     pub fn memory(&self) -> usize {
         if self.has_memory { self.nodes } else { 0 }
-    }
-
-    /// Numbers of the fading memory of slip.
-    pub fn slip_memory(&self) -> usize {
-        self.nodes * self.kernel_terms
     }
 
     /// A length where steps have means.

@@ -61,8 +61,10 @@ blocks! {
         friction_state: Given[|s| s.memory()],
         /// Points of the tangents with which the body is factored (see `body::nonlinear::points`).
         tangents: Motion[|s| s.tangents],
-        /// Fading memory of slip, m, where the law has a kernel: its terms, node by node.
-        slip_memory: Magnitude[|s| s.slip_memory()],
+        /// Fading memory of slip, m, where laws have a kernel: its terms, node by node, contact by contact.
+        slip_memory: Magnitude[|s| s.slip_memory],
+        /// Deformation of foundations that remember it and of their branches, m, node by node (see `contact::relaxing`).
+        penetration: Motion[|s| s.penetration],
         /// Points at which the friction solver last factored its matrix (see `contact::solve::newton::linearisation`).
         linearisation: Marks[|s| if s.has_normal { 0 } else { points_len(s.nodes, s.components) }],
         /// The same of the solver with pressure (see `contact::pressed`).

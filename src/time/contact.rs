@@ -3,8 +3,8 @@
 use super::limit::WorkLimit;
 use super::memory::{Span, remembering};
 use super::pressed::{Level, PressedStage};
-use super::slip_memory;
 use super::workspace::Workspace;
+use super::{penetration, slip_memory};
 use crate::body::Stage;
 use crate::contact::law::{ContactBounds, PressedBoundsOf};
 use crate::contact::multiplicity::Multiplicity;
@@ -44,10 +44,16 @@ pub(super) fn solve(
     let weights = &model.contact().weights;
     // at a start the state is the one there
     ws.before.take(&ws.velocities[index.saturating_sub(1)]);
+    let slip_stage = slip_memory::stage(model, span.length, theta_k);
     let law = model
         .friction()
-        .pressed(&state.coefficients, weights, theta_k)
-        .scaled(slip_memory::scale(model, span.length, theta_k));
+        .pressed(&state.coefficients, weights, slip_stage);
+    penetration::set_lines(
+        model,
+        &ws.velocities[index.saturating_sub(1)],
+        span.length,
+        &mut ws.relaxing,
+    );
     let bounds = remembering(law, ws.before.memory(model, span.length));
     let at = PressedStage {
         model,
@@ -56,6 +62,7 @@ pub(super) fn solve(
         bounds: &bounds,
         theta_k,
         level,
+        relaxing: &ws.relaxing,
         slip: &ws.explicit.accumulated_slip,
         displacement: &ws.explicit.normal_displacement,
     };
@@ -137,8 +144,8 @@ fn solve_without_pressure(
     index: usize,
 ) -> Solved {
     let body = model.body();
-    let scale = slip_memory::scale(model, span.length, theta_k);
-    let bounds = model.friction().with(&state.coefficients).scaled(scale);
+    let slip_stage = slip_memory::stage(model, span.length, theta_k);
+    let bounds = (model.friction()).in_stage(&state.coefficients, slip_stage);
     let stage = ws.stages.current();
     let slip = &ws.explicit.accumulated_slip;
     let contact = problem(model, (stage, theta_k), &ws.condensed_load, &bounds, slip);
@@ -214,8 +221,8 @@ pub(super) fn test_multiplicity(
     index: usize,
 ) {
     let settings = model.solver();
-    let scale = slip_memory::scale(model, span.length, theta_k);
-    let bounds = model.friction().with(&state.coefficients).scaled(scale);
+    let slip_stage = slip_memory::stage(model, span.length, theta_k);
+    let bounds = (model.friction()).in_stage(&state.coefficients, slip_stage);
     let at = (ws.stages.current(), theta_k);
     let slip = &ws.explicit.accumulated_slip;
     let found = multiplicity::test(

@@ -1,15 +1,22 @@
-//! What a foundation that gives way stores: `E = sum_i omega_i c d_i^(m+1) / (m + 1)`, d the penetration of node i.
+//! What a foundation that gives way stores: `E = sum_i omega_i c d_i^(m+1) / (m + 1)`, d the penetration of node i; one that
+//! relaxes stores in its branches too (`contact::relaxing`).
 
+use crate::contact::relaxing::RelaxingFoundation;
 use crate::model::Model;
 use crate::model::motions::Approach;
 use crate::scene::Condition;
 use crate::state::State;
+use std::ops::Range;
 
 /// The energy, J; `approach` are the displacements of the foundations towards the body. 0 for one that is rigid.
 pub(crate) fn energy(model: &Model, state: &State, approach: Approach) -> f64 {
-    sum(model, state, approach, |_, _, depth, exponent| {
+    let elastic = sum(model, state, approach, |_, _, depth, exponent| {
         depth.powf(exponent + 1.0) / (exponent + 1.0)
-    })
+    });
+    elastic
+        + of_relaxing(model, |foundation, numbers| {
+            foundation.stored(&state.main.penetration[numbers])
+        })
 }
 
 /// Its derivative along those of the normal displacements of the nodes and of the approach.
@@ -24,7 +31,26 @@ pub(crate) fn energy_slope(
     })
 }
 
-/// Sum over the nodes of weight times stiffness times a function of contact, node, penetration and exponent.
+/// The derivative of what foundations that relax store, along that of their numbers.
+pub(crate) fn relaxing_slope(model: &Model, numbers: &[f64], along: &[f64]) -> f64 {
+    of_relaxing(model, |foundation, own| {
+        foundation.stored_slope(&numbers[own.clone()], &along[own])
+    })
+}
+
+/// Sum over the nodes of foundations that relax.
+fn of_relaxing(model: &Model, of: impl Fn(&RelaxingFoundation, Range<usize>) -> f64) -> f64 {
+    let weights = &model.contact().weights;
+    let mut sum = 0.0;
+    for part in model.relaxing() {
+        for (node, numbers) in part.nodes() {
+            sum += weights[node] * of(&part.foundation, numbers);
+        }
+    }
+    sum
+}
+
+/// Sum over the nodes of foundations without memory of weight times stiffness times a function of contact, node, penetration and exponent.
 fn sum(
     model: &Model,
     state: &State,
@@ -37,6 +63,7 @@ fn sum(
         let Condition::Compliance {
             stiffness,
             exponent,
+            memory: None,
             ..
         } = condition
         else {

@@ -4,6 +4,7 @@
 //! contact, `relative` what moves with the body or under it, `nonlinear` the laws of the body where they are not linear), `record` integrates what a stage adds, `sizes` cuts a step into parts,
 //! `control` chooses part sizes by `estimate`, and `derivatives` differentiates a step by `tangent`.
 
+mod body_newton;
 pub(crate) mod companion;
 mod contact;
 pub(crate) mod control;
@@ -13,10 +14,12 @@ pub(crate) mod finite;
 mod foundation;
 pub(crate) mod input_course;
 mod limit;
+mod linearised;
 pub(crate) mod lost_digits;
 pub(crate) mod memory;
 pub(crate) mod nonlinear;
-pub(crate) mod pressed;
+pub(crate) mod penetration;
+mod pressed;
 pub(crate) mod record;
 pub(crate) mod relative;
 pub mod scheme;

@@ -28,9 +28,10 @@
 //! The factorization is kept over iterates and steps, and made anew, at the present iterate, when the residual falls by less than
 //! [`RENEWAL`]. Its point is part of the state.
 
+use super::body_newton::BodyNewton;
+use super::linearised;
 use super::memory::Span;
 use super::pressed::Level;
-use super::stage::solve_linearised;
 use super::workspace::Workspace;
 use crate::body::nonlinear::{ELASTIC, Nonlinear, VISCOUS, take_point};
 use crate::body::{Scratch, StageCache};
@@ -57,51 +58,6 @@ const SHARE: f64 = 0.1;
 const LEAST_TOLERANCE: f64 = 1e-13;
 /// Residual, relative to the forces of the body, below which one that an exact tangent no longer reduces is rounding.
 const ROUNDING: f64 = 1e-9;
-
-/// Scratch of the stages, and counts.
-pub(crate) struct BodyNewton {
-    /// The iterate, and the step from it.
-    velocity: Vec<f64>,
-    step: Vec<f64>,
-    /// Displacement of the iterate that is evaluated.
-    pub displacement: Vec<f64>,
-    /// C and T w, at the iterate and at the next one.
-    pub force: Vec<f64>,
-    next_force: Vec<f64>,
-    kept: Vec<f64>,
-    next_kept: Vec<f64>,
-    work: [Vec<f64>; 2],
-    /// A point of tangents that no state keeps.
-    pub point: Vec<f64>,
-    /// Factorization of the body whose contact operator the friction solvers have seen last.
-    seen: u64,
-    /// Iterates so far, and halvings of steps.
-    pub iterations: u64,
-    pub halvings: u64,
-}
-
-impl BodyNewton {
-    /// Scratch for a model; `None` where all laws are linear.
-    pub fn new(model: &Model) -> Option<BodyNewton> {
-        let nonlinear = model.body().nonlinear()?;
-        // of the body alone, without what follows the displacement in a state
-        let vector = || vec![0.0; nonlinear.len()];
-        Some(BodyNewton {
-            velocity: vector(),
-            step: vector(),
-            displacement: vector(),
-            force: vector(),
-            next_force: vector(),
-            kept: vector(),
-            next_kept: vector(),
-            work: [vector(), vector()],
-            point: vec![0.0; nonlinear.point_len()],
-            seen: 0,
-            iterations: 0,
-            halvings: 0,
-        })
-    }
-}
 
 /// What a stage is solved for.
 pub(super) type At = (f64, Level, Span);
@@ -176,7 +132,7 @@ impl StageNewton<'_> {
             for ((to, kept), force) in excess.zip(&newton.force) {
                 *to = kept - force;
             }
-            solve_linearised(self.model, state, ws, self.at, self.index)?;
+            linearised::solve(self.model, state, ws, self.at, self.index)?;
             let next = &ws.velocities[self.index].instant.velocity[..n];
             for ((step, next), own) in newton.step.iter_mut().zip(next).zip(&newton.velocity) {
                 *step = next - own;

@@ -40,6 +40,13 @@ pub(crate) enum Level {
 }
 
 impl Level {
+    /// Displacements of the foundations towards the body.
+    pub fn approach(&self) -> Approach {
+        match self {
+            Level::Position { approach, .. } | Level::Velocity { approach, .. } => *approach,
+        }
+    }
+
     /// Growth of the gap by the normal velocity where contact is rigid, and where it gives way.
     fn rates(&self) -> [f64; 2] {
         match self {
@@ -84,7 +91,7 @@ impl PressedScratch {
         for (part, condition) in contact.parts.iter().zip(model.conditions()) {
             let own = match condition {
                 Condition::Compliance { stiffness, .. } => *stiffness,
-                _ => 0.0,
+                Condition::Bilateral | Condition::Unilateral { .. } => 0.0,
             };
             stiffness.extend(contact.weights[part.nodes.clone()].iter().map(|w| w * own));
             conditions.extend(part.nodes.clone().map(|_| condition_of(condition)));
@@ -250,6 +257,8 @@ pub(crate) struct PressedStage<'a> {
     pub bounds: &'a dyn PressedBounds,
     pub theta_k: f64,
     pub level: Level,
+    /// See [`PressedProblem::relaxing`].
+    pub relaxing: &'a [[f64; 2]],
     /// Accumulated slip and normal displacement before the implicit part of the stage.
     pub slip: &'a [f64],
     pub displacement: &'a [f64],
@@ -280,6 +289,7 @@ impl<'a> PressedStage<'a> {
                 nodal => NormalConditions::Nodal(nodal, self.level.rates()[1]),
             },
             stiffness,
+            relaxing: self.relaxing,
             gap_base,
             gap_rate,
         }

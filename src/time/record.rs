@@ -1,9 +1,9 @@
 //! What a step leaves behind: displacement and slip from the velocities of its stages, energies, the recorded past.
 
-use super::foundation;
 use super::scheme::{Stage, Tableau};
 use super::velocity::Velocity;
 use super::workspace::{Explicit, Workspace};
+use super::{foundation, penetration};
 use crate::body::nonlinear::VISCOUS;
 use crate::linalg::{add_scaled, dot};
 use crate::model::Model;
@@ -142,7 +142,8 @@ pub(crate) fn add_energies(model: &Model, state: &mut State, ws: &mut Workspace,
         elastic += 2.0 * (initial.energy - state.output_displacement[column]);
     }
     state.energy[energy::EXTERNAL_WORK] += k * external;
-    state.energy[energy::VISCOUS] += k * viscous;
+    let relaxed = penetration::dissipated(model, k, velocities, velocities);
+    state.energy[energy::VISCOUS] += k * viscous + relaxed;
     state.energy[energy::FRICTION] += k * dot(&mean.instant.reaction, &mean.instant.slip_rate);
     state.energy[energy::ELASTIC] =
         0.5 * elastic + foundation::energy(model, state, ws.approach[1]);

@@ -2,18 +2,18 @@
 //! Each predicts the free motion, solves friction on the contact and corrects the body.
 
 use super::companion::{Companion, StagePlace};
-use super::contact;
+use super::linearised;
 use super::memory::{self, Span};
 use super::nonlinear;
 use super::pressed::Level;
 use super::record::explicit_part;
-use super::slip_memory;
 use super::workspace::Workspace;
-use crate::error::{Error, Result};
+use super::{penetration, slip_memory};
+use crate::error::Result;
 use crate::model::Model;
 use crate::model::motions::Approach;
 use crate::scene::{Condition, Start};
-use crate::state::{State, report};
+use crate::state::State;
 
 /// Makes velocity and contact forces consistent with the inputs of this instant: the inequality at fixed displacement.
 /// `approach` is the velocity of the foundation towards the body.
@@ -149,89 +149,16 @@ fn solve_stage(
     match model.body().nonlinear() {
         None => {
             ws.stages.get(model.body(), at.0, &mut ws.scratch)?;
-            solve_linearised(model, state, ws, at, index)?;
+            linearised::solve(model, state, ws, at, index)?;
         }
         Some(cells) => nonlinear::solve(model, cells, state, ws, at, index)?,
     }
+    let span = at.2;
+    penetration::advance(model, ws, at, index);
     if index > 0 {
-        let span = at.2;
         memory::advance(model, state, &ws.before, span, &mut ws.velocities[index]);
         let (known, rest) = ws.velocities.split_at_mut(index);
         slip_memory::advance(model, &known[index - 1], span.step, &mut rest[0]);
     }
     Ok(())
-}
-
-/// The same for a body that is linear, or linearised, with the factorization that was asked for last.
-pub(super) fn solve_linearised(
-    model: &Model,
-    state: &mut State,
-    ws: &mut Workspace,
-    (theta_k, level, span): (f64, Level, Span),
-    index: usize,
-) -> Result<()> {
-    ws.relative.predict(
-        model,
-        ws.stages.current(),
-        &ws.explicit.displacement,
-        &ws.load,
-        &mut ws.condensed_load,
-        &mut ws.scratch,
-    );
-    if let [cancelled] = &mut ws.velocities[index].instant.cancelled[..] {
-        *cancelled = model.body().cancelled_norm(&ws.scratch);
-    }
-    let before = &ws.velocities[index.saturating_sub(1)];
-    let slip = &mut ws.explicit.accumulated_slip;
-    slip_memory::set_base(model, before, (span.length, theta_k), slip);
-    let solved = contact::solve(model, state, ws, (theta_k, level, span), index);
-    let settings = model.solver();
-    if !solved.converged && !solved.residual.is_finite() {
-        return Err(Error::Overflow {
-            what: "the residual of the friction law".into(),
-            time: state.time,
-        });
-    }
-    if !solved.converged && !solved.is_truncated {
-        return Err(Error::NotConverged {
-            time: state.time,
-            residual: solved.residual,
-            tolerance: settings.tolerance(),
-            iterations: solved.iterations,
-            node: solved.node,
-        });
-    }
-    if let Some(fault) = solved.fault {
-        return Err(fault);
-    }
-    if model.has_multiplicity_test() && ws.pressed.is_none() {
-        contact::test_multiplicity(model, state, ws, (theta_k, span), index);
-    }
-    let entry = &mut state.report;
-    entry[report::ITERATIONS] += solved.iterations as f64;
-    entry[report::RESIDUAL] = entry[report::RESIDUAL].max(solved.residual);
-    let ending = match (solved.is_truncated, solved.is_at_rounding) {
-        (true, _) => report::TRUNCATED,
-        (_, true) => report::AT_ROUNDING,
-        _ => 0.0,
-    };
-    entry[report::ENDING] = entry[report::ENDING].max(ending);
-    correct(model, ws, theta_k, index);
-    Ok(())
-}
-
-/// The velocity of the whole body from the contact that was solved.
-fn correct(model: &Model, ws: &mut Workspace, theta_k: f64, index: usize) {
-    let velocity = &mut ws.velocities[index];
-    velocity.set_magnitudes();
-    let pressed = ws.pressed.as_ref();
-    let solved = pressed.map(|pressed| [pressed.velocity(), &pressed.reaction[..]]);
-    ws.relative.correct(
-        model,
-        (ws.stages.current(), theta_k),
-        solved,
-        (&ws.load, &mut ws.explicit.drive_displacement),
-        velocity,
-        &mut ws.scratch,
-    );
 }

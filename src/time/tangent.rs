@@ -3,6 +3,7 @@
 use super::contact::problem;
 use super::memory::{Span, bound_slopes, remembering, state_slopes};
 use super::nonlinear::set_displacement;
+use super::penetration::{self, Course};
 use super::pressed::{Level, PressedStage, scatter};
 use super::relative::Relative;
 use super::scheme::MAX_STAGES;
@@ -52,6 +53,9 @@ pub(super) struct Tangents {
     gap: Vec<f64>,
     /// Bounds, by the memory of the law where it has one.
     bound: Vec<f64>,
+    /// Forces of foundations that relax: lines of a stage, of which only the offsets have a derivative.
+    relaxing: Vec<[f64; 2]>,
+    pressing: Vec<f64>,
 }
 
 impl Tangents {
@@ -82,6 +86,8 @@ impl Tangents {
             force: vec![0.0; contact],
             gap: vec![0.0; model.contact().node_count()],
             bound: vec![0.0; State::sizes(model).memory()],
+            pressing: vec![0.0; model.relaxing_nodes()],
+            relaxing: vec![[0.0; 2]; model.relaxing_nodes()],
         }
     }
 
@@ -123,7 +129,7 @@ impl Tangents {
         let slip = &mut ws.explicit.accumulated_slip;
         let at = (span.length, theta_k);
         slip_memory::set_base(model, &ws.velocities[previous], at, slip);
-        let scale = slip_memory::scale(model, span.length, theta_k);
+        let slip_stage = slip_memory::stage(model, span.length, theta_k);
         let solution = &ws.velocities[index].instant;
         let nonlinear = model.body().nonlinear().zip(ws.nonlinear.as_mut());
         let stage = match nonlinear {
@@ -137,14 +143,15 @@ impl Tangents {
                     .get_at(model.body(), theta_k, &own.point, &mut ws.scratch)?
             }
         };
-        let bounds = model.friction().with(&state.coefficients).scaled(scale);
+        let bounds = (model.friction()).in_stage(&state.coefficients, slip_stage);
         let weights = &model.contact().weights;
         ws.before.take(&ws.velocities[previous]);
+        let before = &ws.velocities[previous];
+        penetration::set_lines(model, before, span.length, &mut ws.relaxing);
         let memory = ws.before.memory(model, span.length);
         let law = model
             .friction()
-            .pressed(&state.coefficients, weights, theta_k)
-            .scaled(scale);
+            .pressed(&state.coefficients, weights, slip_stage);
         let pressed_bounds = remembering(law, memory);
         let at = PressedStage {
             model,
@@ -153,6 +160,7 @@ impl Tangents {
             bounds: &pressed_bounds,
             theta_k,
             level,
+            relaxing: &ws.relaxing,
             slip: &ws.explicit.accumulated_slip,
             displacement: &ws.explicit.normal_displacement,
         };
@@ -172,6 +180,8 @@ impl Tangents {
             let slip = &mut tangent.explicit.accumulated_slip;
             let before = &tangent.velocities[previous];
             slip_memory::set_base(model, before, (span.length, theta_k), slip);
+            penetration::set_lines(model, before, span.length, &mut self.relaxing);
+            penetration::offsets(&self.relaxing, &mut self.pressing);
             if let Some(memory) = &memory {
                 bound_slopes(
                     (law, memory),
@@ -213,6 +223,7 @@ impl Tangents {
                             slip,
                             gap: &self.gap,
                             bound: &self.bound,
+                            pressing: &self.pressing,
                             velocity: &mut self.velocity,
                             force: &mut self.force,
                             magnitude: &mut velocity.magnitude,
@@ -231,6 +242,19 @@ impl Tangents {
                 velocity,
                 &mut ws.scratch,
             );
+            let of = Course {
+                velocities: &ws.velocities[..],
+                displacement: &ws.explicit.normal_displacement,
+                level,
+                approach: ws.approach[1],
+            };
+            let along = Course {
+                velocities: &mut tangent.velocities[..],
+                displacement: &tangent.explicit.normal_displacement,
+                level: tangent.level,
+                approach: tangent.approach[1],
+            };
+            penetration::advance_slopes(model, of, along, (theta_k, span), index);
             if index > 0 {
                 let (known, rest) = tangent.velocities.split_at_mut(index);
                 slip_memory::advance(model, &known[previous], span.step, &mut rest[0]);

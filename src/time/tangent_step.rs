@@ -1,11 +1,11 @@
 //! The tangents go along with a step that is repeated: what a step does between its stages, differentiated.
 
 use super::companion::{Companion, StagePlace};
-use super::foundation;
 use super::pressed::Level;
 use super::record::{explicit_part, integrate, power_of_motions};
 use super::tangent::Tangents;
 use super::workspace::Workspace;
+use super::{foundation, penetration};
 use crate::body::BodyModel;
 use crate::body::nonlinear::{ELASTIC, VISCOUS};
 use crate::error::Result;
@@ -183,7 +183,12 @@ impl Companion for Tangents {
             }
             let moves = &t.state.main.normal_displacement;
             let ends = (ws.approach[1], t.approach[1]);
-            elastic += foundation::energy_slope(model, state, ends.0, (moves, ends.1));
+            elastic += foundation::energy_slope(model, state, ends.0, (moves, ends.1))
+                + foundation::relaxing_slope(
+                    model,
+                    &state.main.penetration,
+                    &t.state.main.penetration,
+                );
             if !tableau.ends_with_stage() {
                 let to = &mut t.state;
                 to.mean_slip_rate.copy_from_slice(&d.instant.slip_rate);
@@ -193,7 +198,8 @@ impl Companion for Tangents {
             }
             let energy = &mut t.state.energy;
             energy[energy::EXTERNAL_WORK] += k * external;
-            energy[energy::VISCOUS] += 2.0 * k * viscous;
+            let relaxed = penetration::dissipated(model, k, &ws.velocities, &t.velocities);
+            energy[energy::VISCOUS] += 2.0 * (k * viscous + relaxed);
             energy[energy::FRICTION] += k
                 * (dot(&mean.instant.reaction, &d.instant.slip_rate)
                     + dot(&d.instant.reaction, &mean.instant.slip_rate));

@@ -19,8 +19,10 @@ pub(crate) struct Velocity {
     pub friction_state: Vec<f64>,
     /// Nodes of the contacts that can open.
     opening: Vec<Range<usize>>,
-    /// Fading memory of slip there, m, where the law has a kernel: its terms, node by node.
+    /// Fading memory of slip there, m, where laws have a kernel: its terms, node by node.
     pub slip_memory: Vec<f64>,
+    /// Deformation of foundations that remember it there, and of their branches, m, node by node.
+    pub penetration: Vec<f64>,
 }
 
 impl Velocity {
@@ -35,7 +37,8 @@ impl Velocity {
                 .filter(|part| part.can_open)
                 .map(|part| part.nodes.clone())
                 .collect(),
-            slip_memory: vec![0.0; sizes.slip_memory()],
+            slip_memory: vec![0.0; sizes.slip_memory],
+            penetration: vec![0.0; sizes.penetration],
         }
     }
 
@@ -45,6 +48,7 @@ impl Velocity {
         self.friction_state
             .copy_from_slice(&state.main.friction_state);
         self.slip_memory.copy_from_slice(&state.main.slip_memory);
+        self.penetration.copy_from_slice(&state.main.penetration);
         self.set_magnitudes();
     }
 
@@ -90,6 +94,7 @@ impl Velocity {
             .friction_state
             .copy_from_slice(&self.friction_state);
         state.main.slip_memory.copy_from_slice(&self.slip_memory);
+        state.main.penetration.copy_from_slice(&self.penetration);
     }
 
     pub fn copy_from(&mut self, other: &Velocity) {
@@ -98,6 +103,7 @@ impl Velocity {
         self.load.copy_from_slice(&other.load);
         self.friction_state.copy_from_slice(&other.friction_state);
         self.slip_memory.copy_from_slice(&other.slip_memory);
+        self.penetration.copy_from_slice(&other.penetration);
     }
 
     /// The mean over a step (weights b_j) of what energies and means are made of, at its start and its stages.

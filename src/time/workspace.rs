@@ -1,9 +1,9 @@
 //! Scratch of one simulator: rebuilt at will, never saved, never changes a result.
 
+use super::body_newton::BodyNewton;
 use super::finite::FiniteCheck;
 use super::limit::WorkLimit;
 use super::memory::Before;
-use super::nonlinear::BodyNewton;
 use super::pressed::PressedScratch;
 use super::relative::Relative;
 use super::scheme::MAX_STAGES;
@@ -157,6 +157,8 @@ pub(crate) struct Workspace {
     pub nonlinear: Option<BodyNewton>,
     /// What the memory of the friction law begins with in the stage that is solved.
     pub before: Before,
+    /// What foundations that relax add to the force of a depth in that stage (see `PressedProblem::relaxing`).
+    pub relaxing: Vec<[f64; 2]>,
     pub condensed_load: Vec<f64>,
     /// Displacement of the last iterate of the fixed point.
     pub last_iterate: Vec<f64>,
@@ -189,6 +191,7 @@ impl Workspace {
             pressed: contact.has_normal.then(|| PressedScratch::new(model)),
             nonlinear: BodyNewton::new(model),
             before: Before::new(model),
+            relaxing: vec![[0.0; 2]; model.relaxing_nodes()],
             velocities: std::array::from_fn(|_| Velocity::new(model)),
             mean: Velocity::new(model),
             explicit: Explicit::new(model),

@@ -206,7 +206,8 @@ fn a_memory_is_written_as_it_is_read() {
     // and travels in the bytes of a model
     let model = compile(&scene).unwrap();
     let again = stickslip::Model::from_bytes(&model.to_bytes()).unwrap();
-    assert_eq!(again.friction().kernel(), model.friction().kernel());
+    assert!(model.friction().slip_memory_len() > 0);
+    assert_eq!(again.friction(), model.friction());
 }
 
 #[test]

@@ -87,6 +87,7 @@ impl Case {
             theta_k: self.theta_k,
             conditions: self.condition.into(),
             stiffness: &self.stiffness,
+            relaxing: &[],
             gap_base: &self.gap_base,
             gap_rate: self.gap_rate,
         })

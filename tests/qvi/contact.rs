@@ -172,3 +172,46 @@ fn scenes_of_another_form_are_refused() {
     let refused = of_scene(&compilation, |_| vec![0.0]);
     assert!(matches!(refused.err(), Some(SolveError::Scene { .. })));
 }
+
+#[test]
+fn contacts_with_kernels_of_their_own_are_an_instance() {
+    let friction = |bound: f64, kernel: Value| {
+        json!({"law": "bound", "memory": {"kernel": kernel},
+            "bound": {"kind": "slip_weakening", "static": bound, "dynamic": 0.5 * bound, "distance": 0.02}})
+    };
+    let mut value = pad(Value::Null, "trapezoid", rectangle());
+    value.as_object_mut().unwrap().remove("contact");
+    value["loads"][0]["part"] = json!("right");
+    let kernels = [
+        json!([{"weight": 1.0, "tau": 0.3}, {"weight": 0.5, "tau": 0.02}]),
+        json!([{"weight": 2.0, "tau": 0.1}]),
+    ];
+    value["contacts"] = json!([
+        {"name": "lower", "part": "bottom", "friction": friction(0.05, kernels[0].clone())},
+        {"name": "upper", "part": "top", "friction": friction(0.03, kernels[1].clone())},
+    ]);
+    let compilation = Compilation::new(&scene(&value)).unwrap();
+    let problem = of_scene(&compilation, |t| vec![load(t)]).unwrap();
+    let k = 0.0625;
+    let mut settings = Settings::new(Solver::Direct);
+    settings.most_iterations = 20_000;
+    let mut run = Evolution::new(&problem, &Quadrature::Trapezoid, k, settings).unwrap();
+    run.advance().unwrap();
+    let mut simulator = started(Arc::clone(&compilation.model));
+    for n in 0..16 {
+        let w = run.advance().unwrap().clone();
+        simulator.set_inputs(&[load(f64::from(n + 1) * k)]).unwrap();
+        simulator.do_step(f64::from(n) * k, k).unwrap();
+        let off = relative(w.as_slice(), simulator.state().velocity());
+        assert!(off < 1e-10, "step {n}: {off:e}");
+        for (name, history) in ["lower", "upper"].iter().zip(&run.histories()[1..]) {
+            let remembered = simulator
+                .get_by_name(&format!("{name}.slip_memory"))
+                .unwrap();
+            assert!(largest(&remembered) > 0.0 || n < 2, "{name}: step {n}");
+            let off = relative(history.as_slice(), &remembered);
+            assert!(off < 1e-10, "{name}, step {n}: {off:e}");
+        }
+    }
+    assert!(simulator.get_by_name("contact.slip_memory").is_err());
+}

@@ -99,18 +99,8 @@ fn a_history_costs_what_its_kernel_needs() {
 }
 
 #[test]
-fn thirty_terms_take_thirty_vectors_however_many_steps() {
-    long_run(20_000);
-}
-
-/// `cargo test --release --workspace --all-features --test qvi -- --ignored a_million --nocapture`
-#[test]
-#[ignore = "takes seconds"]
-fn a_million_steps_with_thirty_terms() {
-    long_run(1_000_000);
-}
-
-fn long_run(steps: usize) {
+fn a_million_steps_with_thirty_terms_keep_thirty_vectors() {
+    let steps = 1_000_000;
     let all = fractional_kernel(0.5, [1e-3, 1e4], 1e-3).unwrap();
     let terms = all[all.len() - 30..].to_vec();
     let problem = problem(Kernel::Exponentials(terms));

@@ -6,5 +6,6 @@ mod conditions;
 mod contact;
 mod kernels;
 mod orders;
+mod penetration;
 mod sets;
 mod solvers;

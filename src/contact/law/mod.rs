@@ -47,7 +47,7 @@ pub use misfit::{Misfit, Wrong};
 pub use named::{Law, Role};
 pub use pressed::PressedLaw;
 pub use several::{ContactBounds, ContactLaw, LawPart, PressedBoundsOf};
-pub use slip_memory::{KernelTerm, SlipKernel};
+pub use slip_memory::{KernelTerm, SlipKernel, SlipStage};
 
 use super::evaluation::{Evaluation, NodalLaw, Nodes, SlipPath};
 use std::fmt;

@@ -2,7 +2,7 @@
 //!
 //! With one contact everything is that of its law.
 
-use super::{ChosenLaw, LawBounds, Memory, MemoryPath, Place, PressedLaw, SlipKernel};
+use super::{ChosenLaw, LawBounds, Memory, MemoryPath, Place, PressedLaw, SlipStage};
 use crate::contact::bounds::Bounds;
 use crate::contact::evaluation::{Evaluation, NodalLaw, Nodes, SlipPath};
 use crate::contact::pressed::{PressedBound, PressedBounds};
@@ -20,6 +20,8 @@ pub struct LawPart {
     pub nodes: Range<usize>,
     /// Its numbers in the list of all.
     pub numbers: Range<usize>,
+    /// What it remembers of slip among the numbers of all: the terms of its kernel, node by node.
+    pub slip_memory: Range<usize>,
     has_memory: bool,
 }
 
@@ -29,8 +31,6 @@ pub struct ContactLaw {
     parts: Vec<LawPart>,
     places: Vec<Place>,
     start: Vec<f64>,
-    /// That of the only law; several have none.
-    kernel: SlipKernel,
 }
 
 impl ContactLaw {
@@ -38,32 +38,37 @@ impl ContactLaw {
     pub fn new(laws: impl IntoIterator<Item = (ChosenLaw, Range<usize>)>) -> ContactLaw {
         let (mut places, mut start) = (Vec::new(), Vec::new());
         let mut parts = Vec::new();
+        let mut remembered = 0;
         for (law, nodes) in laws {
             let first = start.len();
             places.extend(law.places().iter().map(|place| place.shifted(first)));
             start.extend_from_slice(law.start());
+            let slip_memory = remembered..remembered + nodes.len() * law.kernel().terms().len();
+            remembered = slip_memory.end;
             parts.push(LawPart {
                 nodes,
                 numbers: first..start.len(),
+                slip_memory,
                 has_memory: law.has_memory(),
                 law,
             });
         }
-        let kernel = match &parts[..] {
-            [one] => one.law.kernel().clone(),
-            _ => SlipKernel::default(),
-        };
         ContactLaw {
             parts,
             places,
             start,
-            kernel,
         }
     }
 
-    /// The kernel of the slip, of the only law; empty where there is none, and with several contacts.
-    pub fn kernel(&self) -> &SlipKernel {
-        &self.kernel
+    /// The laws that remember slip by a kernel.
+    pub fn with_kernels(&self) -> impl Iterator<Item = &LawPart> {
+        let parts = self.parts.iter();
+        parts.filter(|part| !part.law.kernel().is_empty())
+    }
+
+    /// How many numbers remember slip.
+    pub fn slip_memory_len(&self) -> usize {
+        self.parts.last().map_or(0, |part| part.slip_memory.end)
     }
 
     /// The laws, each with its nodes and numbers.
@@ -140,9 +145,18 @@ impl ContactLaw {
     /// The bounds that other numbers give; see [`ChosenLaw::with`].
     #[inline]
     pub fn with<'a>(&'a self, values: &'a [f64]) -> ContactBounds<'a> {
+        self.in_stage(values, SlipStage::NONE)
+    }
+
+    /// The same in a stage.
+    #[inline]
+    pub fn in_stage<'a>(&'a self, values: &'a [f64], stage: SlipStage) -> ContactBounds<'a> {
         match &self.parts[..] {
-            [part] => ContactBounds::One(part.law.with(values)),
-            _ => ContactBounds::Several(self, values),
+            [part] => {
+                let scale = stage.scale(part.law.kernel());
+                ContactBounds::One(part.law.with(values).scaled(scale))
+            }
+            _ => ContactBounds::Several(self, values, stage),
         }
     }
 
@@ -156,15 +170,15 @@ impl ContactLaw {
         &'a self,
         values: &'a [f64],
         weights: &'a [f64],
-        per_rate: f64,
+        stage: SlipStage,
     ) -> PressedBoundsOf<'a> {
         match &self.parts[..] {
-            [part] => PressedBoundsOf::One(part.law.pressed(values, weights, per_rate)),
+            [part] => PressedBoundsOf::One(of_stage(&part.law, values, weights, &stage)),
             _ => PressedBoundsOf::Several(SeveralPressed {
                 laws: self,
                 values,
                 weights,
-                per_rate,
+                stage,
                 memory: None,
             }),
         }
@@ -189,32 +203,36 @@ impl ContactLaw {
     }
 }
 
+/// The bounds of a law as nodal forces in a stage.
+fn of_stage<'a>(
+    law: &'a ChosenLaw,
+    values: &'a [f64],
+    weights: &'a [f64],
+    stage: &SlipStage,
+) -> PressedLaw<'a> {
+    let scale = stage.scale(law.kernel());
+    law.pressed(values, weights, stage.theta_k).scaled(scale)
+}
+
 /// The bounds of the laws of all contacts with given numbers.
 #[derive(Debug, Clone, Copy)]
 pub enum ContactBounds<'a> {
     /// Those of the only law.
     One(LawBounds<'a>),
-    /// Those of several with the list of all their numbers.
-    Several(&'a ContactLaw, &'a [f64]),
+    /// Those of several with the list of all their numbers, in a stage.
+    Several(&'a ContactLaw, &'a [f64], SlipStage),
 }
 
 impl ContactBounds<'_> {
-    /// The same with the slip of a stage multiplied; see [`LawBounds::scaled`]. Laws of several contacts take it as it is.
-    pub fn scaled(self, scale: f64) -> Self {
-        match self {
-            ContactBounds::One(bounds) => ContactBounds::One(bounds.scaled(scale)),
-            several => several,
-        }
-    }
-
     /// Asks the bounds of the law of a node, with its place among the nodes of that law.
     fn ask<R>(&self, node: usize, of: impl Fn(&LawBounds, usize) -> R) -> R {
         match self {
             ContactBounds::One(bounds) => of(bounds, node),
-            ContactBounds::Several(laws, values) => {
+            ContactBounds::Several(laws, values, stage) => {
                 let part = laws.of_node(node);
                 let bounds = part.law.with(&values[part.numbers.clone()]);
-                of(&bounds, node - part.nodes.start)
+                let scale = stage.scale(part.law.kernel());
+                of(&bounds.scaled(scale), node - part.nodes.start)
             }
         }
     }
@@ -278,19 +296,11 @@ pub struct SeveralPressed<'a> {
     laws: &'a ContactLaw,
     values: &'a [f64],
     weights: &'a [f64],
-    per_rate: f64,
+    stage: SlipStage,
     memory: Option<Memory<'a>>,
 }
 
 impl<'a> PressedBoundsOf<'a> {
-    /// The same with the slip of a stage multiplied; see [`PressedLaw::scaled`]. Laws of several contacts take it as it is.
-    pub fn scaled(self, scale: f64) -> Self {
-        match self {
-            PressedBoundsOf::One(law) => PressedBoundsOf::One(law.scaled(scale)),
-            several => several,
-        }
-    }
-
     /// The laws with the memory of a stage; see [`PressedLaw::remembering`].
     pub fn remembering(self, memory: Memory<'a>) -> PressedBoundsOf<'a> {
         match self {
@@ -313,7 +323,7 @@ impl<'a> PressedBoundsOf<'a> {
             &several.values[part.numbers.clone()],
             &several.weights[part.nodes.clone()],
         );
-        let law = part.law.pressed(values, weights, several.per_rate);
+        let law = of_stage(&part.law, values, weights, &several.stage);
         let law = match several.memory {
             Some(memory) if part.has_memory => law.remembering(memory.of_nodes(&part.nodes)),
             _ => law,

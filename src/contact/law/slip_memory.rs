@@ -34,6 +34,34 @@ impl KernelTerm {
     }
 }
 
+/// A stage as memory of slip sees it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SlipStage {
+    /// How long it moves the memory, s.
+    pub length: f64,
+    /// Share of the mean slip rate that its own slip rate has.
+    pub share: f64,
+    /// Its implicit weight, s: contact problems take the slip of a law as `base + theta_k rate`.
+    pub theta_k: f64,
+}
+
+impl SlipStage {
+    /// One in which laws take the slip of the problem as it is.
+    pub const NONE: SlipStage = SlipStage {
+        length: 0.0,
+        share: 1.0,
+        theta_k: 0.0,
+    };
+
+    /// What the slip of a contact problem is to be multiplied by in the law; 1 without a kernel.
+    pub fn scale(&self, kernel: &SlipKernel) -> f64 {
+        if kernel.is_empty() || self.theta_k == 0.0 {
+            return 1.0;
+        }
+        kernel.per_rate(self.length, self.share) / self.theta_k
+    }
+}
+
 /// The kernel of a law.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SlipKernel {
@@ -61,7 +89,7 @@ impl SlipKernel {
     }
 
     /// Growth of H by the slip rate of a stage of this length, s, of which the mean slip rate has a share.
-    pub fn per_rate(&self, length: f64, share: f64) -> f64 {
+    fn per_rate(&self, length: f64, share: f64) -> f64 {
         let gains = self
             .terms
             .iter()

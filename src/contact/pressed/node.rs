@@ -63,6 +63,7 @@ pub fn project_normal(problem: &PressedProblem, node: usize, rho: f64, v: f64, p
             let foundation = Foundation {
                 stiffness: problem.stiffness[node],
                 exponent,
+                line: problem.relaxing.get(node).copied().unwrap_or_default(),
                 gap_base: problem.gap_base[node],
                 gap_rate,
             };
@@ -75,13 +76,15 @@ pub fn project_normal(problem: &PressedProblem, node: usize, rho: f64, v: f64, p
 struct Foundation {
     stiffness: f64,
     exponent: f64,
+    /// What relaxing branches add: growth by the depth, and force at depth 0.
+    line: [f64; 2],
     gap_base: f64,
     gap_rate: f64,
 }
 
 impl Foundation {
-    /// Force at a depth, N, and its derivative by the depth, N/m.
-    fn force(&self, depth: f64) -> [f64; 2] {
+    /// `stiffness depth^exponent`, N, and its derivative by the depth, N/m.
+    fn power(&self, depth: f64) -> [f64; 2] {
         // a power of a small depth alone would leave the range of numbers
         let power = match self.exponent {
             1.0 => 1.0,
@@ -91,6 +94,17 @@ impl Foundation {
         };
         let secant = self.stiffness * power;
         [secant * depth, self.exponent * secant]
+    }
+
+    /// Force at a depth, N, and its derivative by the depth, N/m. A foundation never pulls.
+    fn force(&self, depth: f64) -> [f64; 2] {
+        let [force, slope] = self.power(depth);
+        let [growth, offset] = self.line;
+        let force = force + growth * depth + offset;
+        match offset < 0.0 && force <= 0.0 {
+            true => [0.0, 0.0],
+            false => [force, slope + growth],
+        }
     }
 
     fn depth(&self, velocity: f64) -> f64 {
@@ -111,7 +125,8 @@ impl Foundation {
     /// `open` is the velocity without any force, `force` what a rigid foundation would bear, `guess` a velocity to begin with.
     fn project(&self, rho: f64, open: f64, force: f64, guess: f64) -> Normal {
         let deepest = self.depth(open);
-        if deepest == 0.0 {
+        let has_recovered = |depth: f64| self.line[1] == 0.0 || self.force(depth)[0] > 0.0;
+        if deepest == 0.0 || !has_recovered(deepest) {
             return Normal::open(open);
         }
         if self.gap_rate == 0.0 {
@@ -144,14 +159,15 @@ impl Foundation {
         self.at(velocity, self.depth(velocity))
     }
 
-    /// The depth where `force(depth) + per_depth depth = total`. The sum is convex: Newton's method comes from the deep side
+    /// The depth where `force(depth) + per_depth depth = total`, of a force that is not zero there. The sum is convex: Newton's method comes from the deep side
     /// after the first step, wherever `guess` is.
     fn balance(&self, per_depth: f64, total: f64, guess: f64) -> f64 {
+        let (per_depth, total) = (per_depth + self.line[0], total - self.line[1]);
         if self.exponent == 1.0 {
             return total / (self.stiffness + per_depth);
         }
         let next = |depth: f64| {
-            let [force, slope] = self.force(depth);
+            let [force, slope] = self.power(depth);
             depth - (force + per_depth * depth - total) / (slope + per_depth)
         };
         let deepest = total / per_depth;

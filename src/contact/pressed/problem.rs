@@ -33,7 +33,7 @@ pub enum NormalCondition {
     Bilateral,
     /// `0 <= p`, `gap >= 0`, `p gap = 0`.
     Unilateral,
-    /// `p = stiffness max(0, -gap)^exponent`.
+    /// `p = stiffness max(0, -gap)^exponent`, with what a foundation that relaxes adds, where that is positive.
     Compliance {
         /// Exponent m, at least 1.
         exponent: f64,
@@ -84,6 +84,9 @@ pub struct PressedProblem<'a> {
     pub conditions: NormalConditions<'a>,
     /// Stiffness of every node, weight included, N/m^exponent; empty without compliance, without meaning where a node has none.
     pub stiffness: &'a [f64],
+    /// What a foundation that relaxes adds to the force of a depth at every node: growth by the depth, N/m, and force at depth 0,
+    /// N, not positive (see [`crate::contact::relaxing`]); empty where none does.
+    pub relaxing: &'a [[f64; 2]],
     /// Gap at the normal velocity 0, m; infinite where a node is open whatever happens, without any force.
     pub gap_base: &'a [f64],
     /// Growth of the gap by the normal velocity, s; 1 where `gap_base` is a velocity. 0 is for compliance alone: the normal

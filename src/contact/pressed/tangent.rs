@@ -6,12 +6,12 @@
 //! ```text
 //! open nodes       S dv = dr
 //! closed nodes     dv_n = - dgap_base / gap_rate,   dp = S_n dv - dr_n
-//! giving way       dp = - K (dgap_base + gap_rate dv_n),   S_n dv - dp = dr_n
+//! giving way       dp = dF - K (dgap_base + gap_rate dv_n),   S_n dv - dp = dr_n
 //! sticking nodes   dv_t = 0,   dlam = dr_t - S_t dv
 //! slipping nodes   S_t dv + dlam = dr_t,   dlam = [B_r n n^T + (B / |v_t|)(I - n n^T)] dv_t + (B_p dp + B_s ds + dB) n
 //! ```
 //!
-//! `dB` is what the bound changes by otherwise: by the memory of the law.
+//! `dB` is what the bound changes by otherwise: by the memory of the law; `dF` what the force changes by that of the foundation.
 
 use super::problem::{NormalCondition, PressedProblem};
 use crate::contact::SlipPath;
@@ -62,6 +62,8 @@ pub struct Derivatives<'a> {
     pub gap: &'a [f64],
     /// Of the bound of a node at fixed slip rate, slip and force, N; empty where there is nothing else it depends on.
     pub bound: &'a [f64],
+    /// Of the force of a node at a fixed gap, N; empty where the foundation remembers nothing.
+    pub pressing: &'a [f64],
     /// Of velocities and forces: the result.
     pub velocity: &'a mut [f64],
     pub force: &'a mut [f64],
@@ -85,9 +87,18 @@ impl PressedTangent {
                 NormalCondition::Unilateral => Motion::Closed,
                 NormalCondition::Compliance { exponent } => {
                     let stiffness = problem.stiffness[node];
-                    // p = c d^m, so that c m d^(m-1) = m p / d
-                    let depth = (p / stiffness).powf(1.0 / exponent);
-                    Motion::GivesWay(exponent * p / depth)
+                    Motion::GivesWay(match problem.relaxing.get(node) {
+                        // p = c d^m, so that c m d^(m-1) = m p / d
+                        None => {
+                            let depth = (p / stiffness).powf(1.0 / exponent);
+                            exponent * p / depth
+                        }
+                        Some([growth, _]) => {
+                            let normal = velocity[problem.normal(node)];
+                            let depth = -(problem.gap_base[node] + gap_rate * normal);
+                            exponent * stiffness * depth.powf(exponent - 1.0) + growth
+                        }
+                    })
                 }
             };
             let slip = match motion {
@@ -111,13 +122,15 @@ impl PressedTangent {
     /// Derivatives of the solution along one direction.
     pub fn apply(&self, problem: &PressedProblem, d: &mut Derivatives) {
         let c = problem.components;
+        let pressing = d.pressing;
+        let pressing = |node: usize| pressing.get(node).copied().unwrap_or(0.0);
         let mut column = Mat::zeros(d.velocity.len(), 1);
         for (at, node) in self.nodes.iter().enumerate() {
             let normal = problem.normal(at);
             let dp = match node.motion {
                 Motion::Open => 0.0,
                 Motion::Closed => -d.load[normal],
-                Motion::GivesWay(stiffness) => -stiffness * d.gap[at],
+                Motion::GivesWay(stiffness) => pressing(at) - stiffness * d.gap[at],
             };
             column[(normal, 0)] = match node.motion {
                 Motion::Open => d.load[normal],
@@ -148,7 +161,7 @@ impl PressedTangent {
                 Motion::Open => 0.0,
                 Motion::Closed => -balance(normal, d.velocity),
                 Motion::GivesWay(stiffness) => {
-                    -stiffness * (d.gap[at] + node.gap_rate * d.velocity[normal])
+                    pressing(at) - stiffness * (d.gap[at] + node.gap_rate * d.velocity[normal])
                 }
             };
             d.magnitude[at] = 0.0;

@@ -29,7 +29,32 @@ pub enum Condition {
         /// Gap of the undeformed body, m. Default: 0.
         #[serde(default)]
         gap: Gap,
+        /// How a part of the pressure relaxes. Default: none does.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        memory: Option<PenetrationMemory>,
     },
+}
+
+/// Memory of a foundation that gives way: to the pressure of a penetration d it adds
+/// `int_0^t sum weight exp(-(t - s)/tau) d'(s) ds`, and it never pulls.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PenetrationMemory {
+    /// The terms of the kernel.
+    #[schemars(length(min = 1, max = 64))]
+    pub kernel: Vec<PenetrationTerm>,
+}
+
+/// A term of the kernel by which a foundation remembers penetration.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PenetrationTerm {
+    /// Stiffness that relaxes, Pa/m.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub weight: f64,
+    /// Time in which it relaxes, s.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub tau: f64,
 }
 
 fn one() -> f64 {

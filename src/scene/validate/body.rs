@@ -130,12 +130,6 @@ pub(super) fn check_contact(scene: &Scene, dimension: Option<usize>) -> Verdict 
             let found = format!("{:?} a second time", cut(&contact.part));
             Refusal::new(&path, found, "each part once")
         })?;
-        let is_alone = contacts.len() == 1;
-        ensure(is_alone || contact.friction.memory.is_empty(), || {
-            let path = format!("{}.friction.memory", contact.path);
-            let found = "a kernel of slip where there are several contacts";
-            Refusal::new(path, found, "a law of the accumulated slip; or one contact")
-        })?;
         friction::check(contact)?;
         if let Some(tangent) = &contact.tangent {
             check_vector(dimension, tangent, &format!("{}.tangent", contact.path))?;

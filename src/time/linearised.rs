@@ -1,0 +1,88 @@
+//! A stage of a body that is linear, or linearised: predicts the free motion, solves the contact, corrects the body.
+
+use super::contact;
+use super::memory::Span;
+use super::pressed::Level;
+use super::slip_memory;
+use super::workspace::Workspace;
+use crate::error::{Error, Result};
+use crate::model::Model;
+use crate::state::{State, report};
+
+/// Solves the stage for the explicit part and inputs in `ws` with the factorization that was asked for last, into
+/// `ws.velocities[index]`.
+///
+/// # Errors
+/// [`Error::NotConverged`] and [`Error::Overflow`] of the friction solver, and what is wrong with the value of a formula.
+pub(super) fn solve(
+    model: &Model,
+    state: &mut State,
+    ws: &mut Workspace,
+    (theta_k, level, span): (f64, Level, Span),
+    index: usize,
+) -> Result<()> {
+    ws.relative.predict(
+        model,
+        ws.stages.current(),
+        &ws.explicit.displacement,
+        &ws.load,
+        &mut ws.condensed_load,
+        &mut ws.scratch,
+    );
+    if let [cancelled] = &mut ws.velocities[index].instant.cancelled[..] {
+        *cancelled = model.body().cancelled_norm(&ws.scratch);
+    }
+    let before = &ws.velocities[index.saturating_sub(1)];
+    let slip = &mut ws.explicit.accumulated_slip;
+    slip_memory::set_base(model, before, (span.length, theta_k), slip);
+    let solved = contact::solve(model, state, ws, (theta_k, level, span), index);
+    let settings = model.solver();
+    if !solved.converged && !solved.residual.is_finite() {
+        return Err(Error::Overflow {
+            what: "the residual of the friction law".into(),
+            time: state.time,
+        });
+    }
+    if !solved.converged && !solved.is_truncated {
+        return Err(Error::NotConverged {
+            time: state.time,
+            residual: solved.residual,
+            tolerance: settings.tolerance(),
+            iterations: solved.iterations,
+            node: solved.node,
+        });
+    }
+    if let Some(fault) = solved.fault {
+        return Err(fault);
+    }
+    if model.has_multiplicity_test() && ws.pressed.is_none() {
+        contact::test_multiplicity(model, state, ws, (theta_k, span), index);
+    }
+    let entry = &mut state.report;
+    entry[report::ITERATIONS] += solved.iterations as f64;
+    entry[report::RESIDUAL] = entry[report::RESIDUAL].max(solved.residual);
+    let ending = match (solved.is_truncated, solved.is_at_rounding) {
+        (true, _) => report::TRUNCATED,
+        (_, true) => report::AT_ROUNDING,
+        _ => 0.0,
+    };
+    entry[report::ENDING] = entry[report::ENDING].max(ending);
+    correct(model, ws, theta_k, index);
+    Ok(())
+}
+
+/// The velocity of the whole body from the contact that was solved.
+fn correct(model: &Model, ws: &mut Workspace, theta_k: f64, index: usize) {
+    let velocity = &mut ws.velocities[index];
+    velocity.set_magnitudes();
+    let pressed = ws.pressed.as_ref();
+    let solved = pressed.map(|pressed| [pressed.velocity(), &pressed.reaction[..]]);
+    ws.relative.correct(
+        model,
+        (ws.stages.current(), theta_k),
+        solved,
+        (&ws.load, &mut ws.explicit.drive_displacement),
+        velocity,
+        &mut ws.scratch,
+    );
+}
