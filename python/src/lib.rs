@@ -14,6 +14,8 @@ mod compilation;
 mod compile;
 mod error;
 mod free;
+mod given;
+mod held;
 mod many;
 mod model;
 mod package;

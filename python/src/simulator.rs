@@ -3,15 +3,15 @@
 use crate::array::{Shown, array, numbers, value};
 use crate::error::raised;
 use crate::free::freely;
+use crate::given;
+use crate::held::{Held, Inner};
 use crate::model::Model;
-use crate::state::{Kept, State, busy};
-use pyo3::exceptions::{PyKeyError, PyTypeError};
+use crate::state::{Kept, State};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
-use std::ops::{Deref, DerefMut};
-use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
+use std::sync::{Arc, Mutex};
 use stickslip::Error;
-use stickslip::float_environment::DefaultEnvironment;
 use stickslip::scene::Inputs;
 
 /// One simulation of a model, stepped by its master. Inputs are those at the end of the next step, unless `inputs` or the scene says
@@ -36,78 +36,10 @@ pub struct Simulator {
     inner: Mutex<Inner>,
 }
 
-/// What a call works with.
-pub struct Inner {
-    pub simulator: stickslip::Simulator,
-    /// The ports that are shown, with their references.
-    shown: Vec<(u32, Shown)>,
-    /// Values on their way to an array, or inputs on theirs from one.
-    values: Vec<f64>,
-}
-
-/// A simulator that is in use, in the floating-point environment that it computes in.
-pub struct Held<'a> {
-    inner: MutexGuard<'a, Inner>,
-    _environment: DefaultEnvironment,
-}
-
-impl Deref for Held<'_> {
-    type Target = Inner;
-
-    fn deref(&self) -> &Inner {
-        &self.inner
-    }
-}
-
-impl DerefMut for Held<'_> {
-    fn deref_mut(&mut self) -> &mut Inner {
-        &mut self.inner
-    }
-}
-
-impl Inner {
-    fn new(simulator: stickslip::Simulator) -> Inner {
-        Inner {
-            simulator,
-            shown: Vec::new(),
-            values: Vec::new(),
-        }
-    }
-
-    /// Reads a port into `values`.
-    fn read(&mut self, reference: u32) -> PyResult<&[f64]> {
-        let ports = self.simulator.model().ports();
-        let len = ports.get(reference).map_err(raised)?.len();
-        self.values.resize(len, 0.0);
-        self.simulator
-            .get(reference, &mut self.values)
-            .map_err(raised)?;
-        Ok(&self.values)
-    }
-
-    /// Brings what is shown up to date.
-    pub fn show(&mut self, py: Python<'_>) -> PyResult<()> {
-        for i in 0..self.shown.len() {
-            self.read(self.shown[i].0)?;
-            self.shown[i].1.write(py, &self.values)?;
-        }
-        Ok(())
-    }
-}
-
 impl Simulator {
     /// What a call works with, unless another thread does.
     pub fn hold(&self) -> PyResult<Held<'_>> {
-        match self.inner.try_lock() {
-            Ok(inner) => Ok(Held {
-                inner,
-                _environment: DefaultEnvironment::enter(),
-            }),
-            Err(TryLockError::WouldBlock) => Err(busy()),
-            Err(TryLockError::Poisoned(_)) => Err(raised(Error::Poisoned {
-                what: "a call of it panicked".to_owned(),
-            })),
-        }
+        Held::of(&self.inner)
     }
 
     pub fn model_of(&self, py: Python<'_>) -> Py<Model> {
@@ -137,30 +69,6 @@ impl Simulator {
         self.model.get().reference(port)
     }
 
-    /// The values of all inputs that a dict (of some) or a sequence (of all) gives.
-    fn inputs_of(&self, inner: &Inner, values: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
-        let Ok(dict) = values.cast::<PyDict>() else {
-            return numbers(values);
-        };
-        let count = inner.simulator.model().input_count();
-        let mut all = vec![0.0; count];
-        for (i, value) in all.iter_mut().enumerate() {
-            let into = std::slice::from_mut(value);
-            inner.simulator.get(i as u32, into).map_err(raised)?;
-        }
-        for (name, value) in dict.iter() {
-            let reference = self.reference(&name)? as usize;
-            let Some(to) = all.get_mut(reference) else {
-                return Err(raised(Error::Unknown {
-                    what: "input",
-                    found: name.str()?.to_string(),
-                }));
-            };
-            *to = value.extract()?;
-        }
-        Ok(all)
-    }
-
     /// A derivative along a seed: the values of inputs (of outputs for the adjoint), all of them or some by name.
     fn derivative<'py>(
         &self,
@@ -170,45 +78,11 @@ impl Simulator {
         instant: bool,
     ) -> PyResult<Bound<'py, PyAny>> {
         let mut inner = self.hold()?;
-        let seed = match seed.cast::<PyDict>() {
-            Ok(dict) if !is_adjoint => {
-                let mut all = vec![0.0; inner.simulator.model().input_count()];
-                for (name, value) in dict.iter() {
-                    let to = all.get_mut(self.reference(&name)? as usize);
-                    let to = to.ok_or_else(|| PyKeyError::new_err("not an input"))?;
-                    *to = value.extract()?;
-                }
-                all
-            }
-            Ok(dict) => {
-                let mut all = vec![0.0; inner.simulator.output_len()];
-                for (name, value) in dict.iter() {
-                    let mut at = 0;
-                    let (reference, values) = (self.reference(&name)?, numbers(&value)?);
-                    let model = Arc::clone(inner.simulator.model());
-                    for port in model.ports().outputs() {
-                        if port.reference != reference {
-                            at += port.len();
-                            continue;
-                        }
-                        if values.len() != port.len() {
-                            return Err(raised(Error::Length {
-                                what: "values of the port",
-                                expected: port.len(),
-                                found: values.len(),
-                            }));
-                        }
-                        all[at..at + port.len()].copy_from_slice(&values);
-                    }
-                    if at == all.len() {
-                        return Err(PyKeyError::new_err("not an output"));
-                    }
-                }
-                all
-            }
-            Err(_) => numbers(seed)?,
-        };
         let simulator = &mut inner.simulator;
+        let seed = match is_adjoint {
+            true => given::outputs(self.model.get(), simulator.output_len(), seed)?,
+            false => given::input_seed(self.model.get(), seed)?,
+        };
         let len = match is_adjoint {
             true => simulator.model().input_count(),
             false => simulator.output_len(),
@@ -396,7 +270,7 @@ impl Simulator {
     /// Sets all inputs (a sequence in their order) or some (a dict).
     fn set_inputs(&self, py: Python<'_>, values: &Bound<'_, PyAny>) -> PyResult<()> {
         let mut inner = self.hold()?;
-        let values = self.inputs_of(&inner, values)?;
+        let values = given::inputs(self.model.get(), &inner.simulator, values)?;
         inner.simulator.set_inputs(&values).map_err(raised)?;
         inner.show(py)
     }
@@ -404,7 +278,7 @@ impl Simulator {
     /// The inputs jump to these values now: the next step begins with them. Otherwise as `set_inputs`.
     fn jump_inputs(&self, py: Python<'_>, values: &Bound<'_, PyAny>) -> PyResult<()> {
         let mut inner = self.hold()?;
-        let values = self.inputs_of(&inner, values)?;
+        let values = given::inputs(self.model.get(), &inner.simulator, values)?;
         inner.simulator.jump_inputs(&values).map_err(raised)?;
         inner.show(py)
     }

@@ -5,13 +5,10 @@
 //! in the deviator of the plane `m_A = min(mu_inf, d mu1)` and `L_A = max(mu_0, d mu1)`. A viscosity that depends on the whole
 //! strain rate instead of its deviator would be neither monotone nor Lipschitz.
 
-use super::excess::{DEVIATORS, Deviator, Excess};
-use super::form::Form;
-use super::thinning::{self, Thinning};
+use super::excess::Deviator;
+use super::thinning::ThinningLaw;
 use super::variation::Variation;
-use super::{Law, Parameter, ParameterKind, parameter};
 use crate::expression::PlaceFormula;
-use crate::refusal::Verdict;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -43,57 +40,29 @@ pub struct CarreauViscosity {
     pub factor: Option<PlaceFormula>,
 }
 
-impl Law for CarreauViscosity {
-    fn parameters(&self, unit: &'static str) -> Vec<Parameter> {
-        let mut all = vec![
-            parameter(
-                "mu1",
-                ParameterKind::Number(unit),
-                "Viscosity: coefficient of the trace.",
-            ),
-            parameter(
-                "mu_0",
-                ParameterKind::Number(unit),
-                "Viscosity: coefficient of the deviator at rest.",
-            ),
-            parameter(
-                "mu_inf",
-                ParameterKind::Number(unit),
-                "Viscosity: coefficient of the deviator at large strain rates.",
-            ),
-            parameter(
-                "c",
-                ParameterKind::Number("1/s"),
-                "Size of the deviator of the strain rate at which the viscosity falls.",
-            ),
-            parameter(
-                "deviator",
-                ParameterKind::Choice(&DEVIATORS),
-                "Deviator of the strain rate that the viscosity depends on.",
-            ),
-        ];
-        all.extend(self.variation().parameters());
-        all
+impl ThinningLaw for CarreauViscosity {
+    const TEXTS: [&'static str; 5] = [
+        "Viscosity: coefficient of the trace.",
+        "Viscosity: coefficient of the deviator at rest.",
+        "Viscosity: coefficient of the deviator at large strain rates.",
+        "Size of the deviator of the strain rate at which the viscosity falls.",
+        "Deviator of the strain rate that the viscosity depends on.",
+    ];
+    const TRACE: &'static str = "mu1";
+    const SIZE: &'static str = "1/s";
+
+    fn trace(&self) -> f64 {
+        self.mu1
     }
 
-    fn check(&self, dimension: usize, path: &str) -> Verdict {
-        thinning::check(("mu1", self.mu1), [self.mu_0, self.mu_inf, self.c], path)?;
-        self.deviator.check(dimension, path)?;
-        self.variation().check(dimension, path)
+    fn curve(&self) -> [f64; 3] {
+        [self.mu_0, self.mu_inf, self.c]
     }
 
-    fn form(&self) -> Form {
-        let trace = Form::Isotropic {
-            lambda: self.mu1,
-            two_mu: 0.0,
-        };
-        trace.plus(&self.deviator.form(self.mu_inf))
+    fn deviator(&self) -> Deviator {
+        self.deviator
     }
 
-    fn excess(&self) -> Option<Excess> {
-        let range = self.mu_0 - self.mu_inf;
-        (range > 0.0).then(|| Excess::new(Thinning { range, c: self.c }, self.deviator))
-    }
     fn variation(&self) -> Variation<'_> {
         Variation {
             gradient: &self.gradient,

@@ -1,13 +1,10 @@
 //! Elasticity that softens in shear, after Hencky: `B eps = bulk tr(eps) I + mu(|dev eps|) dev eps`,
 //! `mu(r) = mu_inf + (mu_0 - mu_inf) / sqrt(1 + (r/c)^2)`, the law of small elastic-plastic strains under loads that only grow.
 
-use super::excess::{DEVIATORS, Deviator, Excess};
-use super::form::Form;
-use super::thinning::{self, Thinning};
+use super::excess::Deviator;
+use super::thinning::ThinningLaw;
 use super::variation::Variation;
-use super::{Law, Parameter, ParameterKind, parameter};
 use crate::expression::PlaceFormula;
-use crate::refusal::Verdict;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -39,57 +36,29 @@ pub struct HenckyElasticity {
     pub factor: Option<PlaceFormula>,
 }
 
-impl Law for HenckyElasticity {
-    fn parameters(&self, unit: &'static str) -> Vec<Parameter> {
-        let mut all = vec![
-            parameter(
-                "bulk",
-                ParameterKind::Number(unit),
-                "Elasticity: coefficient of the trace.",
-            ),
-            parameter(
-                "mu_0",
-                ParameterKind::Number(unit),
-                "Elasticity: coefficient of the deviator at rest.",
-            ),
-            parameter(
-                "mu_inf",
-                ParameterKind::Number(unit),
-                "Elasticity: coefficient of the deviator at large strains.",
-            ),
-            parameter(
-                "c",
-                ParameterKind::Number("1"),
-                "Size of the deviator of the strain at which the coefficient falls.",
-            ),
-            parameter(
-                "deviator",
-                ParameterKind::Choice(&DEVIATORS),
-                "Deviator of the strain that the elasticity depends on.",
-            ),
-        ];
-        all.extend(self.variation().parameters());
-        all
+impl ThinningLaw for HenckyElasticity {
+    const TEXTS: [&'static str; 5] = [
+        "Elasticity: coefficient of the trace.",
+        "Elasticity: coefficient of the deviator at rest.",
+        "Elasticity: coefficient of the deviator at large strains.",
+        "Size of the deviator of the strain at which the coefficient falls.",
+        "Deviator of the strain that the elasticity depends on.",
+    ];
+    const TRACE: &'static str = "bulk";
+    const SIZE: &'static str = "1";
+
+    fn trace(&self) -> f64 {
+        self.bulk
     }
 
-    fn check(&self, dimension: usize, path: &str) -> Verdict {
-        thinning::check(("bulk", self.bulk), [self.mu_0, self.mu_inf, self.c], path)?;
-        self.deviator.check(dimension, path)?;
-        self.variation().check(dimension, path)
+    fn curve(&self) -> [f64; 3] {
+        [self.mu_0, self.mu_inf, self.c]
     }
 
-    fn form(&self) -> Form {
-        let trace = Form::Isotropic {
-            lambda: self.bulk,
-            two_mu: 0.0,
-        };
-        trace.plus(&self.deviator.form(self.mu_inf))
+    fn deviator(&self) -> Deviator {
+        self.deviator
     }
 
-    fn excess(&self) -> Option<Excess> {
-        let range = self.mu_0 - self.mu_inf;
-        (range > 0.0).then(|| Excess::new(Thinning { range, c: self.c }, self.deviator))
-    }
     fn variation(&self) -> Variation<'_> {
         Variation {
             gradient: &self.gradient,

@@ -11,9 +11,9 @@
 //!
 //! with `phi1 = (1 - e^-kappa)/kappa` and `phi2' = (1 - e^-kappa (1 + kappa))/kappa^2`, all weights nonnegative.
 
-use super::{Own, Past};
+use super::Own;
+use super::sums::{Point, Sums, Term};
 use crate::qvi::{Quadrature, SolveError};
-use nalgebra::DVector;
 
 /// `weight exp(-(t-s)/tau)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,7 +31,7 @@ impl ExponentialTerm {
 }
 
 /// One term with its recursion.
-struct Term {
+pub(super) struct Recursion {
     weight: f64,
     decay: f64,
     /// Factors of the value before and of that at the point.
@@ -39,121 +39,76 @@ struct Term {
     own: f64,
 }
 
-/// One vector per term.
-pub(super) struct Sums {
-    terms: Vec<Term>,
+/// The sums of these terms.
+pub(super) fn sums(
+    terms: &[ExponentialTerm],
+    dimension: usize,
     rule: Quadrature,
     k: f64,
-    n: usize,
-    dimension: usize,
-    /// `E S_{n-1} + a z_{n-1}` of every term.
-    sums: Vec<f64>,
-    products: usize,
-}
-
-impl Sums {
-    pub fn new(
-        terms: &[ExponentialTerm],
-        dimension: usize,
-        rule: Quadrature,
-        k: f64,
-    ) -> Result<Sums, SolveError> {
-        if rule.settled(k, 0).is_none() {
-            return Err(SolveError::Rule {
-                rule: rule.name(),
-                why: "its weights change with the row, which takes the whole history: give the kernel as a function",
+) -> Result<Sums<Recursion>, SolveError> {
+    let of = |term: &ExponentialTerm| {
+        if term.tau <= 0.0 || term.tau.is_nan() || !term.weight.is_finite() {
+            return Err(SolveError::Value {
+                what: "relaxation time of an exponential term".to_owned(),
+                found: term.tau,
+                allowed: "a positive number, or infinity, beside a finite weight",
             });
         }
-        let of = |term: &ExponentialTerm| {
-            if term.tau <= 0.0 || term.tau.is_nan() || !term.weight.is_finite() {
-                return Err(SolveError::Value {
-                    what: "relaxation time of an exponential term".to_owned(),
-                    found: term.tau,
-                    allowed: "a positive number, or infinity, beside a finite weight",
-                });
+        let kappa = k / term.tau;
+        let [decay, before, own] = match rule {
+            Quadrature::Product => {
+                let [first, second] = integrals(kappa);
+                [(-kappa).exp(), k * second, k * (first - second)]
             }
-            let kappa = k / term.tau;
-            let [decay, before, own] = match rule {
-                Quadrature::Product => {
-                    let [first, second] = integrals(kappa);
-                    [(-kappa).exp(), k * second, k * (first - second)]
-                }
-                Quadrature::Mean => {
-                    let [first, _] = integrals(kappa);
-                    [(-kappa).exp(), 0.5 * k * first, 0.5 * k * first]
-                }
-                Quadrature::Relaxation => {
-                    let each = k / (2.0 + kappa);
-                    [(1.0 - 0.5 * kappa) / (1.0 + 0.5 * kappa), each, each]
-                }
-                _ => [(-kappa).exp(), 0.0, 0.0],
-            };
-            Ok(Term {
-                weight: term.weight,
-                decay,
-                before,
-                own,
-            })
+            Quadrature::Mean => {
+                let [first, _] = integrals(kappa);
+                [(-kappa).exp(), 0.5 * k * first, 0.5 * k * first]
+            }
+            Quadrature::Relaxation => {
+                let each = k / (2.0 + kappa);
+                [(1.0 - 0.5 * kappa) / (1.0 + 0.5 * kappa), each, each]
+            }
+            _ => [(-kappa).exp(), 0.0, 0.0],
         };
-        Ok(Sums {
-            terms: terms.iter().map(of).collect::<Result<_, _>>()?,
-            rule,
-            k,
-            n: 0,
-            dimension,
-            sums: vec![0.0; terms.len() * dimension],
-            products: 0,
+        Ok(Recursion {
+            weight: term.weight,
+            decay,
+            before,
+            own,
         })
-    }
+    };
+    let recursions = terms.iter().map(of).collect::<Result<_, _>>()?;
+    Sums::new(recursions, dimension, rule, k)
 }
 
-impl Past for Sums {
-    fn sum(&mut self, out: &mut DVector<f64>) {
-        out.fill(0.0);
-        for (term, sum) in self.terms.iter().zip(self.sums.chunks(self.dimension)) {
-            for (out, sum) in out.iter_mut().zip(sum) {
-                *out += term.weight * sum;
-            }
+impl Term for Recursion {
+    fn add(&self, _: &Point, sum: &[f64], out: &mut [f64]) {
+        for (out, sum) in out.iter_mut().zip(sum) {
+            *out += self.weight * sum;
         }
-        self.products += self.terms.len();
     }
 
-    fn own(&self) -> Own {
-        let weight = if self.rule.is_nodal() {
-            let weights: f64 = self.terms.iter().map(|term| term.weight).sum();
-            self.rule.weight(self.k, self.n, self.n) * weights
-        } else if self.n == 0 {
+    fn own(terms: &[Recursion], _: usize, at: &Point) -> Own {
+        Own::Number(if at.rule.is_nodal() {
+            let weights: f64 = terms.iter().map(|term| term.weight).sum();
+            at.rule.weight(at.k, at.n, at.n) * weights
+        } else if at.n == 0 {
             0.0
         } else {
-            self.terms.iter().map(|term| term.weight * term.own).sum()
+            terms.iter().map(|term| term.weight * term.own).sum()
+        })
+    }
+
+    /// A sum is `E S_{n-1} + a z_{n-1}`.
+    fn push(&self, at: &Point, z: &[f64], sum: &mut [f64]) {
+        let factor = match (at.rule.is_nodal(), at.n == 0) {
+            (true, _) => self.decay * at.settled(),
+            (false, true) => self.before,
+            (false, false) => self.decay * self.own + self.before,
         };
-        Own::Number(weight)
-    }
-
-    fn push(&mut self, z: &DVector<f64>) {
-        let settled = self.rule.settled(self.k, self.n).unwrap_or(f64::NAN);
-        let is_nodal = self.rule.is_nodal();
-        let is_first = self.n == 0;
-        for (term, sums) in self.terms.iter().zip(self.sums.chunks_mut(self.dimension)) {
-            let factor = match (is_nodal, is_first) {
-                (true, _) => term.decay * settled,
-                (false, true) => term.before,
-                (false, false) => term.decay * term.own + term.before,
-            };
-            for (sum, z) in sums.iter_mut().zip(z.iter()) {
-                *sum = term.decay * *sum + factor * z;
-            }
+        for (sum, z) in sum.iter_mut().zip(z) {
+            *sum = self.decay * *sum + factor * z;
         }
-        self.n += 1;
-        self.products += self.terms.len();
-    }
-
-    fn numbers(&self) -> usize {
-        self.sums.len()
-    }
-
-    fn products(&self) -> usize {
-        self.products
     }
 }
 

@@ -14,6 +14,7 @@ mod exponentials;
 mod fourier;
 mod history;
 mod separable;
+mod sums;
 
 pub use exponentials::{ExponentialTerm, fractional_kernel};
 pub use separable::SeparableTerm;
@@ -87,10 +88,10 @@ impl Kernel {
         }
         Ok(match self {
             Kernel::Exponentials(terms) => {
-                Box::new(exponentials::Sums::new(terms, dimension, rule.clone(), k)?)
+                Box::new(exponentials::sums(terms, dimension, rule.clone(), k)?)
             }
             Kernel::Separable(terms) => {
-                Box::new(separable::Sums::new(terms, dimension, rule.clone(), k)?)
+                Box::new(separable::sums(terms, dimension, rule.clone(), k)?)
             }
             Kernel::Convolution(q) if rule.settled(k, 0).is_some() => Box::new(
                 convolution::Convolution::new(Arc::clone(q), dimension, rule.clone(), k),

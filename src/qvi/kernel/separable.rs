@@ -1,8 +1,9 @@
 //! Separable kernels `q(t, s) = sum_l phi_l(t) psi_l(s) M_l`: one sum over the past per term.
 
-use super::{Own, Past};
+use super::Own;
+use super::sums::{Point, Sums, Term};
 use crate::qvi::{Quadrature, SolveError};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 use std::sync::Arc;
 
 /// A function of an instant, s.
@@ -68,89 +69,35 @@ pub(super) fn value(terms: &[SeparableTerm], dimension: usize, t: f64, s: f64) -
     Own::Matrix(sum)
 }
 
-/// `sum_{j < n} w_j psi_l(t_j) z_j` for every term.
-pub(super) struct Sums {
-    terms: Vec<SeparableTerm>,
+/// The sums of these terms.
+pub(super) fn sums(
+    terms: &[SeparableTerm],
+    dimension: usize,
     rule: Quadrature,
     k: f64,
-    n: usize,
-    dimension: usize,
-    sums: Vec<f64>,
-    products: usize,
+) -> Result<Sums<SeparableTerm>, SolveError> {
+    for matrix in terms.iter().filter_map(|term| term.matrix.as_ref()) {
+        SolveError::check_shape("rows of a matrix of a kernel", dimension, matrix.nrows())?;
+        SolveError::check_shape("columns of a matrix of a kernel", dimension, matrix.ncols())?;
+    }
+    Sums::new(terms.to_vec(), dimension, rule, k)
 }
 
-impl Sums {
-    pub fn new(
-        terms: &[SeparableTerm],
-        dimension: usize,
-        rule: Quadrature,
-        k: f64,
-    ) -> Result<Sums, SolveError> {
-        if rule.settled(k, 0).is_none() {
-            return Err(SolveError::Rule {
-                rule: rule.name(),
-                why: "its weights change with the row, which takes the whole history: give the kernel as a function",
-            });
+impl Term for SeparableTerm {
+    fn add(&self, at: &Point, sum: &[f64], out: &mut [f64]) {
+        self.add_to((self.phi)(at.time()), sum, out);
+    }
+
+    fn own(terms: &[SeparableTerm], dimension: usize, at: &Point) -> Own {
+        let t = at.time();
+        value(terms, dimension, t, t).scaled(at.rule.weight(at.k, at.n, at.n))
+    }
+
+    /// A sum is `sum_{j < n} w_j psi(t_j) z_j`.
+    fn push(&self, at: &Point, z: &[f64], sum: &mut [f64]) {
+        let factor = at.settled() * (self.psi)(at.time());
+        for (sum, z) in sum.iter_mut().zip(z) {
+            *sum += factor * z;
         }
-        for term in terms {
-            if let Some(matrix) = &term.matrix {
-                SolveError::check_shape("rows of a matrix of a kernel", dimension, matrix.nrows())?;
-                SolveError::check_shape(
-                    "columns of a matrix of a kernel",
-                    dimension,
-                    matrix.ncols(),
-                )?;
-            }
-        }
-        Ok(Sums {
-            terms: terms.to_vec(),
-            rule,
-            k,
-            n: 0,
-            dimension,
-            sums: vec![0.0; terms.len() * dimension],
-            products: 0,
-        })
-    }
-
-    fn time(&self) -> f64 {
-        self.n as f64 * self.k
-    }
-}
-
-impl Past for Sums {
-    fn sum(&mut self, out: &mut DVector<f64>) {
-        out.fill(0.0);
-        let t = self.time();
-        for (term, sum) in self.terms.iter().zip(self.sums.chunks(self.dimension)) {
-            term.add_to((term.phi)(t), sum, out.as_mut_slice());
-        }
-        self.products += self.terms.len();
-    }
-
-    fn own(&self) -> Own {
-        let t = self.time();
-        value(&self.terms, self.dimension, t, t).scaled(self.rule.weight(self.k, self.n, self.n))
-    }
-
-    fn push(&mut self, z: &DVector<f64>) {
-        let t = self.time();
-        let settled = self.rule.settled(self.k, self.n).unwrap_or(f64::NAN);
-        for (term, sum) in self.terms.iter().zip(self.sums.chunks_mut(self.dimension)) {
-            let factor = settled * (term.psi)(t);
-            for (sum, z) in sum.iter_mut().zip(z.iter()) {
-                *sum += factor * z;
-            }
-        }
-        self.n += 1;
-        self.products += self.terms.len();
-    }
-
-    fn numbers(&self) -> usize {
-        self.sums.len()
-    }
-
-    fn products(&self) -> usize {
-        self.products
     }
 }
