@@ -10,9 +10,9 @@
 //! discrete scheme asks for (Section 4 of the paper), and never worse than those of the whole space.
 
 use super::constants::{Constant, Origin, operator_ratios, sampled_alpha, sampled_beta};
-use super::evolution::{Iterations, Solver};
 use super::functional::Linear;
 use super::sampling::Sampler;
+use super::settings::{Iterations, Solver};
 use super::space::{orthonormal, smallest_symmetric_eigenvalue};
 use super::{Constants, Inequality, SolveError};
 use nalgebra::DMatrix;

@@ -12,54 +12,10 @@ use super::functional::Linear;
 use super::history_operator::Course;
 use super::kernel::Own;
 use super::prox::Nonsmooth;
+use super::settings::{Iterations, Settings, Solver};
 use super::space::{largest_singular_value, smallest_symmetric_eigenvalue};
 use super::{Inequality, Matrix, Quadrature, SolveError};
 use nalgebra::{DMatrix, DVector};
-
-/// How a step is solved.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Solver {
-    /// The fixed point of the proof.
-    Lambda,
-    /// The linear part at once, the rest by iteration.
-    Direct,
-}
-
-/// Tolerances of a run.
-#[derive(Debug, Clone)]
-pub struct Settings {
-    pub solver: Solver,
-    /// Change of the iterates of a step, relative to the larger of 1 and the largest component, at which it ends. Default 1e-13.
-    pub tolerance: f64,
-    /// Most iterations of a step. Default 500.
-    pub most_iterations: usize,
-    /// u_0; where it is `None` (default) the inequality at the start is solved.
-    pub start: Option<DVector<f64>>,
-}
-
-impl Settings {
-    pub fn new(solver: Solver) -> Settings {
-        Settings {
-            solver,
-            tolerance: 1e-13,
-            most_iterations: 500,
-            start: None,
-        }
-    }
-}
-
-/// What the iterations of a run were like so far.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Iterations {
-    /// Of the last step, of all steps, and most of a step.
-    pub last: usize,
-    pub total: usize,
-    pub most: usize,
-    /// Largest ratio of successive changes `|Lambda eta_1 - Lambda eta_2| / |eta_1 - eta_2|` in the norm of the space, over all steps.
-    pub contraction: f64,
-    /// Largest `|R w_nn q(t_n, t_n)|` met, s: the last weight of the history.
-    pub own_weight: f64,
-}
 
 /// Changes below so many times the tolerance are rounding rather than contraction.
 const MEASURABLE: f64 = 1e5;
@@ -386,36 +342,4 @@ fn add(sum: &Matrix, b: &Matrix, own: &Own) -> Matrix {
         Own::Number(own) => sum.plus(*own, b),
         Own::Matrix(_) => Matrix::Dense(sum.to_dense() + product(b, own)),
     }
-}
-
-/// u at all points of a run, and what its iterations were like.
-#[derive(Debug, Clone)]
-pub struct Trajectory {
-    pub times: Vec<f64>,
-    pub u: Vec<DVector<f64>>,
-    pub iterations: Iterations,
-}
-
-/// Solves N steps on `[0, T]`.
-///
-/// # Errors
-/// Those of [`Evolution`].
-pub fn solve(
-    of: &Inequality,
-    rule: &Quadrature,
-    (end, steps): (f64, usize),
-    settings: Settings,
-) -> Result<Trajectory, SolveError> {
-    let k = end / steps as f64;
-    let mut evolution = Evolution::new(of, rule, k, settings)?;
-    let (mut times, mut u) = (Vec::new(), Vec::new());
-    for n in 0..=steps {
-        u.push(evolution.advance()?.clone());
-        times.push(n as f64 * k);
-    }
-    Ok(Trajectory {
-        times,
-        u,
-        iterations: *evolution.iterations(),
-    })
 }

@@ -55,12 +55,14 @@ mod prox;
 mod quadrature;
 mod sampling;
 mod set;
+mod settings;
 mod space;
+mod trajectory;
 
 pub use conditions::{Conditions, Record, Verdict, Warning};
 pub use constants::{Constant, Constants, Origin};
 pub use error::SolveError;
-pub use evolution::{Evolution, Iterations, Settings, Solver, Trajectory, solve};
+pub use evolution::Evolution;
 pub use functional::{
     Coefficients, Functional, Linear, LinearPhi, Norm, Nothing, Part, PositivePart, Shape, Sum,
 };
@@ -72,4 +74,6 @@ pub use operator::{NonlinearOperator, Operator};
 pub use quadrature::{Quadrature, Weights};
 pub use sampling::Sampler;
 pub use set::{Bounds, Cone, HalfSpace, Projection, Restricted, Set, Whole};
+pub use settings::{Iterations, Settings, Solver};
 pub use space::Space;
+pub use trajectory::{Trajectory, solve};
