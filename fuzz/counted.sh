@@ -5,7 +5,7 @@ compiler=$1
 shift
 case " $* " in
     *" --crate-name stickslip "* | *" --crate-name serde_json "*)
-        exec "$compiler" "$@" -Ccodegen-units=1 -Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=3 \
+        exec "$compiler" "$@" --cfg fuzzing -Ccodegen-units=1 -Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=3 \
             -Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table
         ;;
 esac

@@ -8,7 +8,7 @@ target=$1
 shift
 # longest input: longer ones only repeat what shorter ones do
 case $target in
-scene) longest=900 ;;
+scene) longest=300 ;;
 calls) longest=160 ;;
 mesh) longest=6000 ;;
 *) longest=48 ;;
@@ -16,4 +16,4 @@ esac
 # a wrapper and no flags for all crates: it leaves the counters out of build scripts, procedural macros and the linear algebra
 RUSTC_WRAPPER="$PWD/counted.sh" cargo build --release --quiet --bins
 mkdir -p "found/$target" crashes
-exec "target/release/$target" -artifact_prefix="crashes/$target-" -entropic=0 -max_len=$longest -timeout=60 -rss_limit_mb=4096 -print_final_stats=1 "$@" "found/$target" "corpus/$target"
+exec "target/release/$target" -artifact_prefix="crashes/$target-" -entropic=0 -reload=0 -max_len=$longest -timeout=60 -rss_limit_mb=4096 -print_final_stats=1 "$@" "found/$target" "corpus/$target"

@@ -1,7 +1,9 @@
 //! What the fuzz targets share: small models, damage to bytes with the checksum made right again, and the invariants.
 
+pub mod words;
+
 use std::sync::Arc;
-use stickslip::{Model, Scene, Simulator, compile};
+use stickslip::{Model, Scene, Simulator, State, compile};
 use xxhash_rust::xxh3::xxh3_64;
 
 /// Smallest scenes of all models, schemes and dimensions, so that a step costs microseconds: paths and values put into embedded
@@ -15,16 +17,31 @@ const SCENES: [(&str, &[(&str, &str)]); 6] = [
     ("sheared_column", &[("mesh.cells", "[1, 3]"), ("fidelity.multiplicity_test", "true"), ("fidelity.model", "full")]),
 ];
 
-/// An embedded scene with values put into it.
-pub fn scene(name: &str, overrides: &[(&str, &str)]) -> Scene {
-    let text = stickslip::scene::example(name).expect("an embedded scene");
+/// Smallest scenes of what the embedded ones do not have: contact that opens and moves, laws with a state, memory, several contacts,
+/// laws of the body that are not linear.
+pub const TEXTS: [(&str, &str); 6] = [
+    ("opens", include_str!("../scenes/opens.json")),
+    ("creeps", include_str!("../scenes/creeps.json")),
+    ("two_feet", include_str!("../scenes/two_feet.json")),
+    ("bends", include_str!("../scenes/bends.json")),
+    ("solid", include_str!("../scenes/solid.json")),
+    ("formula", include_str!("../scenes/formula.json")),
+];
+
+/// A scene with values put into it.
+pub fn scene(text: &str, name: &str, overrides: &[(&str, &str)]) -> Scene {
     let overrides: Vec<_> = overrides.iter().map(|(p, v)| (p.to_string(), v.to_string())).collect();
     Scene::with_overrides(text, name, &overrides).expect("a valid scene")
 }
 
 /// The small models.
 pub fn models() -> Vec<Arc<Model>> {
-    SCENES.iter().map(|(name, overrides)| compile(&scene(name, overrides)).expect("a scene that compiles")).collect()
+    let embedded = SCENES.iter().map(|(name, overrides)| {
+        let text = stickslip::scene::example(name).expect("an embedded scene");
+        scene(text, name, overrides)
+    });
+    let own = TEXTS.iter().map(|(name, text)| scene(text, name, &[]));
+    embedded.chain(own).map(|scene| compile(&scene).expect("a scene that compiles")).collect()
 }
 
 /// Makes the checksum at the end of framed bytes that of what stands before it, and the announced length the true one.
@@ -125,20 +142,28 @@ pub fn check_outputs(simulator: &Simulator) {
     }
 }
 
-/// Two steps, the loads put on and taken off; a refused one changes nothing, an accepted one leaves finite outputs.
-pub fn exercise(simulator: &mut Simulator, loads: &[f64]) {
+/// A step with the loads put on, and if `twice` another with the loads taken off; a refused one changes nothing, an accepted one
+/// leaves finite outputs. `before` is room for what the state was.
+pub fn exercise(simulator: &mut Simulator, loads: &[f64], twice: bool, before: &mut State) {
     let step = simulator.model().largest_step();
-    for share in [1.0, 0.0] {
-        let before = simulator.to_bytes();
+    for share in if twice { &[1.0, 0.0][..] } else { &[1.0] } {
+        simulator.save(before).expect("a state of the model");
         let values: Vec<f64> = loads.iter().cycle().take(simulator.model().input_count()).map(|x| x * share).collect();
         if !loads.is_empty() && simulator.set_inputs(&values).is_err() {
-            assert!(simulator.to_bytes() == before, "refused inputs changed the state");
+            assert_unchanged(simulator, before, "refused inputs changed the state");
             continue;
         }
-        let before = simulator.to_bytes();
+        simulator.save(before).expect("a state of the model");
         match simulator.do_step(simulator.time(), step) {
             Ok(()) => check_outputs(simulator),
-            Err(_) => assert!(simulator.to_bytes() == before, "a refused step changed the state"),
+            Err(_) => assert_unchanged(simulator, before, "a refused step changed the state"),
         }
     }
+}
+
+/// The bytes are those of the state saved before. A copy in memory is cheap, so bytes are written only after a refusal.
+pub fn assert_unchanged(simulator: &mut Simulator, before: &State, complaint: &str) {
+    let found = simulator.to_bytes();
+    simulator.restore(before).expect("a state of the model");
+    assert!(simulator.to_bytes() == found, "{complaint}");
 }

@@ -11,7 +11,8 @@ static MODELS: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| models().iter().map(|mo
 
 fuzz_target!(|data: &[u8]| {
     let mut input = Input(data);
-    let mut bytes = MODELS[usize::from(input.byte()) % MODELS.len()].clone();
+    let number = usize::from(input.byte());
+    let mut bytes = MODELS[number % MODELS.len()].clone();
     let load = input.number();
     damage(&mut bytes, &mut input);
     seal(&mut bytes);
@@ -26,6 +27,7 @@ fuzz_target!(|data: &[u8]| {
     let mut simulator = Simulator::new(Arc::new(model));
     if simulator.init(0.0).is_ok() {
         check_outputs(&simulator);
-        exercise(&mut simulator, &[load]);
+        let mut before = simulator.new_state();
+        exercise(&mut simulator, &[load], number >= 128, &mut before);
     }
 });

@@ -2,34 +2,52 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use std::sync::{Arc, LazyLock};
-use stickslip::{Model, Simulator};
-use stickslip_fuzz::{Input, check_outputs, damage, exercise, models, seal};
+use std::cell::RefCell;
+use std::sync::Arc;
+use stickslip::{Model, Simulator, State};
+use stickslip_fuzz::{Input, assert_unchanged, check_outputs, damage, exercise, models, seal};
 
-/// Models with the bytes of a state after two steps.
-static STARTS: LazyLock<Vec<(Arc<Model>, Vec<u8>)>> = LazyLock::new(|| {
-    let start = |model: Arc<Model>| {
-        let mut simulator = Simulator::new(Arc::clone(&model));
+/// A simulator that is restored before every input, with its state after two steps and the bytes of it.
+struct Start {
+    simulator: Simulator,
+    state: State,
+    before: State,
+    bytes: Vec<u8>,
+}
+
+impl Start {
+    fn of(model: Arc<Model>) -> Start {
+        let mut simulator = Simulator::new(model);
         simulator.init(0.0).expect("a start");
-        exercise(&mut simulator, &[-0.3, 0.1]);
-        (model, simulator.to_bytes())
-    };
-    models().into_iter().map(start).collect()
-});
+        let mut before = simulator.new_state();
+        exercise(&mut simulator, &[-0.3, 0.1], true, &mut before);
+        let mut state = simulator.new_state();
+        simulator.save(&mut state).expect("a state of the model");
+        let bytes = simulator.to_bytes();
+        Start { simulator, state, before, bytes }
+    }
+}
+
+thread_local! {
+    static STARTS: RefCell<Vec<Start>> = RefCell::new(models().into_iter().map(Start::of).collect());
+}
 
 fuzz_target!(|data: &[u8]| {
     let mut input = Input(data);
-    let (model, bytes) = &STARTS[usize::from(input.byte()) % STARTS.len()];
-    let load = input.number();
-    let mut bytes = bytes.clone();
-    damage(&mut bytes, &mut input);
-    seal(&mut bytes);
-    let mut simulator = Simulator::new(Arc::clone(model));
-    let before = simulator.to_bytes();
-    if simulator.restore_bytes(&bytes).is_err() {
-        assert!(simulator.to_bytes() == before, "a refused state changed the simulator");
-        return;
-    }
-    check_outputs(&simulator);
-    exercise(&mut simulator, &[load]);
+    STARTS.with_borrow_mut(|starts| {
+        let number = usize::from(input.byte());
+        let count = starts.len();
+        let Start { simulator, state, before, bytes } = &mut starts[number % count];
+        let load = input.number();
+        let mut damaged = bytes.clone();
+        damage(&mut damaged, &mut input);
+        seal(&mut damaged);
+        simulator.restore(state).expect("a state of the model");
+        if simulator.restore_bytes(&damaged).is_err() {
+            assert_unchanged(simulator, state, "a refused state changed the simulator");
+            return;
+        }
+        check_outputs(simulator);
+        exercise(simulator, &[load], number >= 128, before);
+    });
 });

@@ -8,22 +8,36 @@ use super::types::Scene;
 use crate::message::cut;
 use crate::refusal::{Refusal, shown};
 use serde_json::{Map, Value, json};
+use std::sync::Arc;
 
 /// What editors find the schema of a file by; not a part of a scene.
 pub(super) const SCHEMA_KEY: &str = "$schema";
 
 /// The JSON Schema of the scene types.
-pub(super) struct Structure(Value);
+pub(super) struct Structure(Arc<Value>);
+
+// A library has no global state; the fuzzer, which reads scenes by the million, makes the schema once.
+#[cfg(fuzzing)]
+thread_local! {
+    static MADE: Arc<Value> = Arc::new(Structure::generate());
+}
 
 impl Structure {
     pub fn of_scenes() -> Structure {
+        #[cfg(fuzzing)]
+        return Structure(MADE.with(Arc::clone));
+        #[cfg(not(fuzzing))]
+        Structure(Arc::new(Structure::generate()))
+    }
+
+    fn generate() -> Value {
         let mut schema = schemars::schema_for!(Scene).to_value();
         if let Some(members) = schema["properties"].as_object_mut() {
             let meaning = "Where editors find this schema; without effect.";
             let member = json!({"description": meaning, "type": "string"});
             members.insert(SCHEMA_KEY.to_owned(), member);
         }
-        Structure(schema)
+        schema
     }
 
     pub fn schema(&self) -> &Value {
@@ -42,7 +56,7 @@ impl Structure {
 
     /// Default of an optional object that is a plain member (not inside a tagged enum or an array).
     pub fn default_object(&self, path: &[Segment]) -> Option<&Value> {
-        let mut schema = &self.0;
+        let mut schema: &Value = &self.0;
         let mut default = None;
         for segment in path {
             let Segment::Key(key) = segment else {
@@ -385,7 +399,7 @@ mod tests {
         let definitions = structure.0["$defs"].as_object().expect("definitions");
         definitions
             .values()
-            .chain([&structure.0])
+            .chain([structure.schema()])
             .for_each(assert_understood);
     }
 

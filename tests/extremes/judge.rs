@@ -21,7 +21,7 @@ pub const TOLERANCES: f64 = 10.0;
 pub const SAME: f64 = 1e-12;
 
 /// Beyond this a case is too close to a change of its pattern of stick for runs that differ by rounding to be compared.
-const MOST_SENSITIVE: f64 = 1e3;
+pub const MOST_SENSITIVE: f64 = 1e3;
 
 /// A case, its run, and what is found about it.
 pub struct Judge<'a> {

@@ -9,6 +9,7 @@ mod compare;
 mod draw;
 mod exact;
 mod judge;
+mod pressed;
 mod random;
 mod run;
 mod table;
@@ -18,10 +19,12 @@ mod within;
 use draw::draw;
 use judge::Judge;
 use run::run;
-use table::Table;
+use table::{Outcome, Table};
 
 /// Scenes of the sweep in the test command.
 const FEW: u64 = 80;
+/// The same of the scenes with pressure.
+const FEW_PRESSED: u64 = 60;
 
 fn number(variable: &str, default: u64) -> u64 {
     let text = std::env::var(variable).ok();
@@ -43,7 +46,24 @@ fn no_extreme_scene_is_answered_wrongly() {
             println!("REFUSED {i} in {}: {}", refusal.phase, refusal.text);
         }
         let judge = Judge::of(&case, &base);
-        table.add(&judge);
+        let mut names = vec![
+            format!("model {}", case.model),
+            format!("scheme {}", case.scheme),
+        ];
+        names.push(format!("{} {}D", case.element, case.dimension()));
+        names.extend(case.extremes.iter().map(|name| format!("extreme {name}")));
+        table.add(&Outcome {
+            names,
+            is_ordinary: case.extremes.is_empty(),
+            findings: &judge.findings,
+            is_told: judge.is_told(),
+            refusal: base
+                .refusal
+                .as_ref()
+                .map(|r| format!("{:?} in {}", r.code, r.phase)),
+            is_exact: judge.exact.is_ok(),
+            sensitive: judge.sensitive,
+        });
         let mut told = Vec::new();
         for finding in &judge.findings {
             if !told.contains(&finding.oracle) {
@@ -68,5 +88,20 @@ fn no_extreme_scene_is_answered_wrongly() {
     assert_eq!(table.wrong(), 0, "{table}");
     assert_eq!(table.refused_ordinary(), 0, "{table}");
     // a sweep that is refused shows nothing
+    assert!(table.refused() <= count / 3, "{table}");
+}
+
+#[test]
+fn no_extreme_scene_with_pressure_is_answered_wrongly() {
+    let (first, count) = (number("EXTREMES_FROM", 0), number("EXTREMES", FEW_PRESSED));
+    let is_shown = std::env::var("EXTREMES_SHOW").is_ok();
+    let mut table = Table::default();
+    for i in first..first + count {
+        pressed::judge(i, is_shown, &mut table);
+    }
+    println!("{table}");
+    assert_eq!(table.wrong(), 0, "{table}");
+    // `reduced` may be out of reach of its tolerance
+    assert!(table.refused_ordinary() <= count / 100, "{table}");
     assert!(table.refused() <= count / 3, "{table}");
 }

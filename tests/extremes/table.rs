@@ -1,7 +1,6 @@
 //! What became of the scenes of a sweep, by what was driven to an extreme.
 
-use crate::case::Case;
-use crate::judge::Judge;
+use crate::judge::Finding;
 use std::collections::BTreeMap;
 use std::fmt::{self, Display};
 
@@ -30,49 +29,55 @@ pub struct Table {
     sensitive: usize,
 }
 
+/// What became of one scene.
+pub struct Outcome<'a> {
+    /// Rows in which it counts.
+    pub names: Vec<String>,
+    pub is_ordinary: bool,
+    pub findings: &'a [Finding],
+    /// Whether a step said that it lost digits.
+    pub is_told: bool,
+    pub refusal: Option<String>,
+    /// Whether it was compared with the solution in 96 digits.
+    pub is_exact: bool,
+    /// Comparisons left out.
+    pub sensitive: usize,
+}
+
 impl Table {
-    pub fn add(&mut self, judge: &Judge) {
-        let case: &Case = judge.case;
-        let mut names: Vec<String> = vec![
-            "all".into(),
-            format!("model {}", case.model),
-            format!("scheme {}", case.scheme),
-        ];
-        names.push(format!("{} {}D", case.element, case.dimension()));
-        names.extend(case.extremes.iter().map(|name| format!("extreme {name}")));
-        if case.extremes.is_empty() {
-            names.push("nothing extreme".into());
+    pub fn add(&mut self, outcome: &Outcome) {
+        let mut names = vec!["all"];
+        names.extend(outcome.names.iter().map(String::as_str));
+        if outcome.is_ordinary {
+            names.push("nothing extreme");
         }
         for name in names {
-            let row = self.rows.entry(name).or_default();
+            let row = self.rows.entry(name.to_owned()).or_default();
             row.scenes += 1;
-            row.exact += u64::from(judge.exact.is_ok());
-            if !judge.findings.is_empty() {
-                if judge.is_told() {
+            row.exact += u64::from(outcome.is_exact);
+            if !outcome.findings.is_empty() {
+                if outcome.is_told {
                     row.told += 1;
                 } else {
                     row.wrong += 1;
                 }
-            } else if judge.base.refusal.is_some() {
+            } else if outcome.refusal.is_some() {
                 row.refused += 1;
             } else {
                 row.right += 1;
-                row.cautious += u64::from(judge.is_told());
+                row.cautious += u64::from(outcome.is_told);
             }
         }
-        if let Some(refusal) = &judge.base.refusal {
-            *self
-                .refusals
-                .entry(format!("{:?} in {}", refusal.code, refusal.phase))
-                .or_default() += 1;
+        if let Some(refusal) = &outcome.refusal {
+            *self.refusals.entry(refusal.clone()).or_default() += 1;
         }
-        let mut oracles: Vec<&'static str> = judge.findings.iter().map(|f| f.oracle).collect();
+        let mut oracles: Vec<&'static str> = outcome.findings.iter().map(|f| f.oracle).collect();
         oracles.sort_unstable();
         oracles.dedup();
         for oracle in oracles {
             *self.findings.entry(oracle).or_default() += 1;
         }
-        self.sensitive += judge.sensitive;
+        self.sensitive += outcome.sensitive;
     }
 
     /// Scenes that are wrong and do not say so.
