@@ -626,8 +626,7 @@ fn a_plate_with_free_faces_has_a_branch_on_the_trace() {
     let run = |scene: &Value| seen(&mut start(&parse(scene)));
     let reference = run(&written);
     assert!(largest(&reference) > 1e-3);
-    // so small a body with memory has no reduction
-    for model in ["full", "condensed", "auto"] {
+    for model in ["full", "condensed", "reduced", "auto"] {
         let mut plate = plate.clone();
         plate["fidelity"]["model"] = model.into();
         let error = relative(&run(&plate), &reference);

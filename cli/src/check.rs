@@ -30,6 +30,7 @@ pub fn check(choice: &SceneChoice) -> Result<(), Failure> {
     let mut rows = closing::compiled(model.summary(), model);
     rows.extend(constants(model));
     rows.extend(memories(scene));
+    rows.extend(check_material::free(model));
     rows.extend(steady_slip(model));
     rows.extend(step(scene, model));
     rows.extend(check_material::advice(&compilation));

@@ -1,8 +1,9 @@
 //! What a nearly incompressible material asks of the mesh and of the viscosity.
 
 use crate::closing::figure;
-use stickslip::Compilation;
-use stickslip::material::Form;
+use stickslip::material::{Form, RATIOS};
+use stickslip::message::number;
+use stickslip::{Compilation, Model};
 
 /// lambda / mu of a Poisson's ratio of 0.45: beyond, linear cells of a mesh without pattern lock.
 const LOCKS: f64 = 9.0;
@@ -32,6 +33,23 @@ fn incompressibility(compilation: &Compilation) -> (f64, &str) {
         }
     }
     worst
+}
+
+/// Which numbers of the material stay free.
+pub fn free(model: &Model) -> Option<(&'static str, String)> {
+    let numbers = model.free_numbers();
+    let paths: Vec<&str> = numbers.iter().map(|n| n.path.as_str()).collect();
+    let [low, high] = RATIOS;
+    (!paths.is_empty()).then(|| {
+        let text = format!(
+            "{} numbers are parameters until the initialization ends, for lambda / 2 mu of {} to {}: {}",
+            paths.len(),
+            number(low),
+            number(high),
+            paths.join(", ")
+        );
+        ("free material", text)
+    })
 }
 
 /// Advice, where there is any.

@@ -1,6 +1,7 @@
 //! What the instances of an FMU share: the scene with its parameters, the compiled model, the variables.
 
 use crate::fault::{Fault, Outcome};
+use crate::parameters::is_other_model;
 use crate::variables::Variables;
 use std::path::Path;
 use std::sync::Arc;
@@ -63,6 +64,21 @@ impl Component {
         })
     }
 
+    /// The numbers of a material that stays free, where no other fixed parameter than these differs from those of the FMU.
+    pub fn free_values(&self, values: &[f64]) -> Option<Vec<f64>> {
+        let parameters = self.variables.parameters();
+        let numbers = self.model.free_numbers().iter();
+        let places: Vec<usize> = numbers
+            .map(|number| parameters.place(&number.path))
+            .collect::<Option<_>>()?;
+        let mut others = values.to_vec();
+        for place in &places {
+            others[*place] = self.origin[*place];
+        }
+        let is_free = !places.is_empty() && !is_other_model(&others, &self.origin);
+        is_free.then(|| places.iter().map(|place| values[*place]).collect())
+    }
+
     /// The same FMU with other values of the fixed parameters.
     pub fn with_parameters(&self, values: &[f64], share: Share) -> Outcome<Arc<Component>> {
         let mut changes = self.variables.parameters().overrides(&self.origin, values);
@@ -74,7 +90,17 @@ impl Component {
             key.push_str(path);
             key.push_str(value);
         }
+        let of_material = self.free_values(values);
         share(xxh3_64(key.as_bytes()), &mut || {
+            if let Some(numbers) = &of_material {
+                return Ok(Component {
+                    scene_text: self.scene_text.clone(),
+                    variables: Variables::new(&self.model),
+                    parameters: values.to_vec(),
+                    origin: self.origin.clone(),
+                    model: self.model.with_material(numbers)?,
+                });
+            }
             let scene = Scene::with_overrides(&self.scene_text, SCENE_FILE, &changes)?;
             // with the files that it carries
             let model = compile_from(&scene, self.model.files())?;

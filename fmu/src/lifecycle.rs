@@ -228,11 +228,12 @@ impl Instance {
                 .into_iter()
                 .map(|(path, value)| format!("{path} = {value}"))
                 .collect();
-            self.log.write(
-                0,
-                Category::Event,
-                &format!("compiled with {}", names.join(", ")),
-            );
+            let how = match self.packed.free_values(&self.parameters) {
+                Some(_) => "set without compiling",
+                None => "compiled with",
+            };
+            self.log
+                .write(0, Category::Event, &format!("{how} {}", names.join(", ")));
             self.adopt(component)?;
         }
         let meaning = parameters::inputs_meaning(&self.parameters);

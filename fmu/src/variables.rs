@@ -81,6 +81,7 @@ impl Follows {
             | Quantity::MeanPressure => Follows::LoadsAfterStart,
             Quantity::Input(_)
             | Quantity::Coefficient(_)
+            | Quantity::Material(_)
             | Quantity::Slip
             | Quantity::AccumulatedSlip
             | Quantity::SlipMemory
@@ -171,7 +172,9 @@ impl Variables {
         };
         let time = "Time of the simulation.".to_owned();
         all.add("time".into(), time, "s", Role::Time, Vec::new());
-        for port in model.ports().all() {
+        // numbers of a free material are fixed parameters, as those of any other
+        let is_own = |port: &&Port| !matches!(port.quantity, Quantity::Material(_));
+        for port in model.ports().all().iter().filter(is_own) {
             let role = match port.causality {
                 Causality::Input => Role::Input,
                 Causality::Output => Role::Output,

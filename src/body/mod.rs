@@ -16,6 +16,7 @@
 pub(crate) mod condensed;
 pub(crate) mod digits;
 pub(crate) mod field;
+pub(crate) mod free;
 pub(crate) mod full;
 pub(crate) mod nonlinear;
 pub(crate) mod reduced;

@@ -17,6 +17,7 @@ use super::operators::OperatorPair;
 use super::pieces::refuse_loose_pieces;
 use super::strain::StrainNorm;
 use crate::error::{Error, Result};
+use crate::material::Form;
 use crate::mesh::Mesh;
 use crate::scene::Scene;
 
@@ -117,6 +118,18 @@ impl Body {
             mesh,
             dofs,
         })
+    }
+
+    /// The same body with other forms in the places of A and B, everywhere the same and without memory.
+    pub(crate) fn of_forms(&self, forms: [Form; 2]) -> Body {
+        let forms = Forms::uniform(&self.mesh, forms);
+        Body {
+            operators: OperatorPair::from_elements(&self.mesh, &self.dofs, &forms),
+            element_rates: forms.rates(self.mesh.dimension),
+            is_nonlinear: false,
+            forms,
+            ..self.clone()
+        }
     }
 
     /// Number of free components.

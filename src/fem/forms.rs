@@ -2,7 +2,7 @@
 //! the branches of its memory.
 
 use crate::error::Result;
-use crate::material::{Form, rates_with_memory};
+use crate::material::{Form, Operators, rates_with_memory};
 use crate::mesh::Mesh;
 use crate::message::cut;
 use crate::refusal::scene_error;
@@ -99,6 +99,17 @@ impl Forms {
             cells: mesh.cell_regions.clone(),
             factors: Vec::new(),
             branches: vec![Vec::new(); mesh.regions.len()],
+        }
+    }
+
+    /// Those of one material that does not vary, without a mesh: for its constants and rates.
+    pub(crate) fn of_material(operators: &Operators) -> Forms {
+        Forms {
+            regions: vec![operators.forms()],
+            upper: vec![operators.upper_forms()],
+            cells: Vec::new(),
+            factors: Vec::new(),
+            branches: vec![operators.branches()],
         }
     }
 

@@ -23,7 +23,8 @@ pub(super) fn branch_operators(mesh: &Mesh, dofs: &DofMap, forms: &Forms) -> Vec
     operators
 }
 
-/// The memory of what a driven part strains is not followed: a motion must move a body with memory as a whole.
+/// The memory of what a driven part strains is not followed, nor what of it depends on a material that stays free: a motion must
+/// move such a body as a whole.
 ///
 /// # Errors
 /// [`crate::Error::Scene`] that names the motion.
@@ -32,7 +33,7 @@ pub(super) fn refuse_strained_memory(scene: &Scene, drives: &Drives, forms: &For
     let stores = |i: &usize| drives.elasticity[i * drives.len() + i] != 0.0;
     let Some(at) = (0..drives.len())
         .find(stores)
-        .filter(|_| forms.have_memory())
+        .filter(|_| forms.have_memory() || scene.fidelity.free_material)
     else {
         return Ok(());
     };
@@ -44,9 +45,16 @@ pub(super) fn refuse_strained_memory(scene: &Scene, drives: &Drives, forms: &For
         part.unwrap_or_default(),
         cut(name)
     );
+    let (of, without) = match forms.have_memory() {
+        true => ("with memory", "materials without memory"),
+        false => ("whose material stays free", "no fidelity.free_material"),
+    };
+    let allowed = format!(
+        "a motion of the whole body (nothing else clamped or driven against it), or {without}"
+    );
     Err(scene_error(
         &path,
-        "a motion that strains a body with memory".to_owned(),
-        "a motion of the whole body (nothing else clamped or driven against it), or materials without memory".to_owned(),
+        format!("a motion that strains a body {of}"),
+        allowed,
     ))
 }

@@ -49,6 +49,12 @@ impl Branch {
         }
     }
 
+    pub(super) fn isotropic(&mut self) -> &mut IsotropicBranch {
+        match self {
+            Branch::Isotropic(law) => law,
+        }
+    }
+
     /// Relaxation time, s.
     pub fn tau(&self) -> f64 {
         match self {

@@ -10,6 +10,7 @@ mod excess;
 mod fit;
 mod form;
 mod fractional;
+mod free;
 mod hencky;
 mod isotropic;
 mod matrix;
@@ -30,6 +31,7 @@ pub use carreau::CarreauViscosity;
 pub use excess::{Curve, CurvePoint, Deviator, Excess, ExcessPoint};
 pub use form::{Form, GradientPair};
 pub use fractional::{FractionalKernel, FractionalMemory};
+pub use free::{Blend, FreeNumber, RATIOS, Share};
 pub use hencky::HenckyElasticity;
 pub use isotropic::{Convention, IsotropicElasticity, IsotropicViscosity};
 pub use matrix::MatrixLaw;
@@ -249,6 +251,11 @@ impl Operators<'_> {
             }
             _ => None,
         }
+    }
+
+    /// Whether its convention makes it a plate with free faces.
+    fn is_plate(&self) -> bool {
+        self.plate().is_some()
     }
 
     /// Refuses what a plate with free faces cannot have beside its elasticity.

@@ -5,6 +5,7 @@
 //! of a saved state mean something only together with the very numbers of the model.
 
 use super::certificate::{Certificate, CoulombConstants};
+use super::free::{FreeMaterial, blend_of};
 use super::motions::Motions;
 use super::parts::Parts;
 use super::selection::Selection;
@@ -12,6 +13,7 @@ use super::start::InitialState;
 use super::{BodyModel, Model, ReductionRecord, ensure_available};
 use crate::body::condensed::Condensed;
 use crate::body::field::Field;
+use crate::body::free::Free;
 use crate::body::full::Full;
 use crate::body::reduced::Reduced;
 use crate::bytes::{Frame, LARGEST, Reader, Writer};
@@ -85,13 +87,27 @@ impl Model {
 
     pub(super) fn compute_fingerprint(&self) -> u64 {
         let mut out = Writer::framed();
-        self.write(&mut out);
+        match self.free {
+            None => self.write(&mut out),
+            // that of the model with any values of the numbers that stay free
+            Some(_) => {
+                out.text(&self.scene_of_fingerprint());
+                self.write_sizes(&mut out);
+                self.write_body(&mut out);
+            }
+        }
         xxh3_64(out.payload())
     }
 
     fn write(&self, out: &mut Writer) {
-        let summary = &self.summary;
         out.text(&self.scene.to_json());
+        self.write_sizes(out);
+        self.write_constants(out);
+        self.write_body(out);
+    }
+
+    fn write_sizes(&self, out: &mut Writer) {
+        let summary = &self.summary;
         out.word(kind_number(summary.kind));
         for size in [
             summary.dimension,
@@ -101,6 +117,10 @@ impl Model {
         ] {
             out.word(size as u64);
         }
+    }
+
+    fn write_constants(&self, out: &mut Writer) {
+        let summary = &self.summary;
         // without a dashpot the fastest is infinite
         out.floats(&summary.rates.map(|rate| rate.min(LARGEST)));
         let record = summary.reduction.as_ref();
@@ -126,6 +146,9 @@ impl Model {
             out.float(coulomb.weakening);
             out.float(coulomb.coupling);
         }
+    }
+
+    fn write_body(&self, out: &mut Writer) {
         out.floats(&self.measures);
         write_contact(&self.contact, out);
         InitialState::write(self.initial.as_ref(), out);
@@ -214,7 +237,21 @@ fn read_parts(from: &mut Reader, scene: &Scene) -> Result<Parts> {
             has_strain,
         )
     };
+    let mut free = None;
     let body: Arc<dyn BodyModel> = match kind {
+        ModelKind::Reduced if scene.fidelity.free_material => {
+            let ports = (contact_len, loads, outputs);
+            let precision = scene.fidelity.precision;
+            let blend = |branches| blend_of(scene, Some(branches));
+            let body = Arc::new(Free::read(from, ports, precision, blend)?);
+            free = FreeMaterial::new(scene, Arc::clone(&body));
+            body
+        }
+        _ if scene.fidelity.free_material => {
+            return Err(Reader::refusal(
+                "compiled model: a free material of a whole mesh",
+            ));
+        }
         ModelKind::Full => Arc::new(Full(field()?)),
         ModelKind::Condensed => Arc::new(Condensed(field()?)),
         _ => Arc::new(Reduced::read(
@@ -229,6 +266,7 @@ fn read_parts(from: &mut Reader, scene: &Scene) -> Result<Parts> {
     Ok(Parts {
         kind,
         body,
+        free,
         reduction: (kind == ModelKind::Reduced).then_some(ReductionRecord { shifts, achieved }),
         contact,
         measures,

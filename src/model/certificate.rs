@@ -29,7 +29,7 @@
 
 use crate::contact::law::ContactLaw;
 use crate::error::{Error, Result};
-use crate::fem::{Body, StrainNorm};
+use crate::fem::{Body, ContactPatch, Forms};
 use crate::linalg::{SparseCholesky, mirror_lower, symmetric_eigenvalues};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
@@ -160,31 +160,49 @@ impl LawConstants {
     }
 }
 
+/// What a certificate takes of the materials of a body.
+#[derive(Debug, Clone, Copy)]
+pub struct MaterialConstants {
+    pub m_a: f64,
+    pub l_a: f64,
+    pub l_b: f64,
+    /// Whether all have a dashpot.
+    pub have_dashpots: bool,
+}
+
+impl MaterialConstants {
+    /// Those of the forms of a body of this dimension.
+    pub fn of(forms: &Forms, dimension: usize) -> MaterialConstants {
+        let [m_a, l_a, l_b] = forms.constants(dimension);
+        MaterialConstants {
+            m_a,
+            l_a,
+            l_b,
+            have_dashpots: forms.have_dashpots(),
+        }
+    }
+}
+
 /// The certificate for a law and the implicit weight `theta_k` (s) of the largest step; `constants(x, y)` are those of the
-/// condensed operator of `x A + y B`.
+/// condensed operator of `x A + y B`, `of_strains` those of the strain norm.
 ///
 /// # Errors
-/// Those of `constants` and of [`constants_of`].
+/// Those of `constants`.
 pub fn certify(
-    body: &Body,
-    cholesky: &SparseCholesky,
+    material: MaterialConstants,
+    of_strains: Constants,
     law: LawConstants,
     theta_k: f64,
     mut constants: impl FnMut(f64, f64) -> Result<Constants>,
 ) -> Result<Certificate> {
-    let of_strains = match &body.strain {
-        StrainNorm::Combination(x, y) => constants(*x, *y)?,
-        StrainNorm::Assembled(values) => constants_of(body, cholesky, values)?,
-    };
-    let [m_a, l_a, l_b] = body.forms.constants(body.mesh.dimension);
     let step = constants(1.0, theta_k)?;
     Ok(Certificate {
         c0_squared: 1.0 / of_strains.sharp,
         l_g: law.weakening,
-        m_a,
-        l_a,
-        l_b,
-        sharp_instant: match body.forms.have_dashpots() {
+        m_a: material.m_a,
+        l_a: material.l_a,
+        l_b: material.l_b,
+        sharp_instant: match material.have_dashpots {
             true => constants(1.0, 0.0)?.sharp,
             false => 0.0,
         },
@@ -243,7 +261,7 @@ pub fn factored_constants(
 pub fn constants_of(body: &Body, cholesky: &SparseCholesky, values: &[f64]) -> Result<Constants> {
     let s = condensed(body, cholesky, values)?;
     if !body.contact.has_normal {
-        let values = scaled_eigenvalues(body, &s, |omega| 1.0 / omega.sqrt())?;
+        let values = scaled_eigenvalues(&body.contact, &s, |omega| 1.0 / omega.sqrt())?;
         let sharp = positive(values.first().copied())?;
         return Ok(Constants {
             sharp,
@@ -252,16 +270,16 @@ pub fn constants_of(body: &Body, cholesky: &SparseCholesky, values: &[f64]) -> R
     }
     let mut s = s;
     mirror_lower(s.as_mut());
-    normal_constants(body, &s, &inverse(&s)?)
+    normal_constants(&body.contact, &s, &inverse(&s)?)
 }
 
 /// The same from the contact compliance `C = S^-1` (lower triangle).
 ///
 /// # Errors
 /// [`Error::Body`] for a compliance that is not positive.
-pub fn constants_of_compliance(body: &Body, compliance: &Mat<f64>) -> Result<Constants> {
-    if !body.contact.has_normal {
-        let values = scaled_eigenvalues(body, compliance, f64::sqrt)?;
+pub fn constants_of_compliance(contact: &ContactPatch, compliance: &Mat<f64>) -> Result<Constants> {
+    if !contact.has_normal {
+        let values = scaled_eigenvalues(contact, compliance, f64::sqrt)?;
         let sharp = positive(values.last().map(|largest| 1.0 / largest))?;
         return Ok(Constants {
             sharp,
@@ -270,12 +288,11 @@ pub fn constants_of_compliance(body: &Body, compliance: &Mat<f64>) -> Result<Con
     }
     let mut c = compliance.clone();
     mirror_lower(c.as_mut());
-    normal_constants(body, &inverse(&c)?, &c)
+    normal_constants(contact, &inverse(&c)?, &c)
 }
 
 /// With normal components, from S and its inverse.
-fn normal_constants(body: &Body, s: &Mat<f64>, c: &Mat<f64>) -> Result<Constants> {
-    let contact = &body.contact;
+fn normal_constants(contact: &ContactPatch, s: &Mat<f64>, c: &Mat<f64>) -> Result<Constants> {
     let (stride, components) = (contact.stride(), contact.components);
     let places = |is_normal: bool| -> Vec<usize> {
         let all = 0..contact.force_len();
@@ -328,13 +345,13 @@ fn inverse(matrix: &Mat<f64>) -> Result<Mat<f64>> {
 }
 
 fn scaled_eigenvalues(
-    body: &Body,
+    contact: &ContactPatch,
     matrix: &Mat<f64>,
     scale: impl Fn(f64) -> f64,
 ) -> Result<Vec<f64>> {
-    let c = body.contact.components;
+    let c = contact.components;
     let scale: Vec<f64> = (0..matrix.nrows())
-        .map(|i| scale(body.contact.weights[i / c]))
+        .map(|i| scale(contact.weights[i / c]))
         .collect();
     let scaled = Mat::from_fn(matrix.nrows(), matrix.ncols(), |i, j| {
         matrix[(i, j)] * scale[i] * scale[j]

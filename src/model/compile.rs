@@ -1,7 +1,11 @@
 //! Scene -> Model, as one pipeline: pick the setting for a target, mesh and assemble, order for elimination, choose what is
 //! kept of the body, certify.
 
-use super::certificate::{LawConstants, certify, constants_of_compliance, factored_constants};
+use super::certificate::{
+    LawConstants, MaterialConstants, certify, constants_of, constants_of_compliance,
+    factored_constants,
+};
+use super::free::{FreeMaterial, blend_of};
 use super::memory::{Sizes, ensure_available};
 use super::motions::Motions;
 use super::parts::Parts;
@@ -11,6 +15,7 @@ use crate::body::BodyModel;
 use crate::body::condensed::Condensed;
 use crate::body::digits::Ends;
 use crate::body::field::Field;
+use crate::body::free::Free;
 use crate::body::full::Full;
 use crate::body::nonlinear::Nonlinear;
 use crate::body::reduced::Reduced;
@@ -21,6 +26,7 @@ use crate::error::{Error, Result};
 use crate::fem::{Body, StrainNorm};
 use crate::files::{Files, Keeper, MemoryFiles};
 use crate::linalg::SparseCholesky;
+use crate::material::{RATIOS, Share};
 use crate::mesh::Mesh;
 use crate::model::Model;
 use crate::progress::{Phase, Watch};
@@ -230,7 +236,12 @@ impl Compilation {
     /// [`Error::NotPositiveDefinite`]; not for a body that could be compiled.
     pub fn field(&self, states: &[f64]) -> Result<Vec<f64>> {
         match &self.kept.synthesis {
-            Some(synthesis) => synthesis.field(&self.body, &self.cholesky, states),
+            Some(synthesis) => {
+                let body = self.kept.ends.as_deref().unwrap_or(&self.body);
+                // the branches of the memory follow the displacement
+                let own = &states[..synthesis.states().min(states.len())];
+                synthesis.field(body, &self.cholesky, own)
+            }
             // the fields of the memory follow the displacement
             None => Ok(states[..self.body.len().min(states.len())].to_vec()),
         }
@@ -261,10 +272,21 @@ fn finish(
     let theta_k = tableau.theta() * scene.time.step;
     let law = LawConstants::of(&friction, theta_k);
     let constants = |x: f64, y: f64| match &kept.model {
-        KeptModel::Reduced(reduced) => constants_of_compliance(body, &reduced.compliance(x, y)),
+        KeptModel::Reduced(reduced) => {
+            constants_of_compliance(&body.contact, &reduced.compliance(x, y))
+        }
+        KeptModel::Free(free) => constants_of_compliance(&body.contact, &free.compliance(x, y)),
         KeptModel::Whole(_) => factored_constants(body, cholesky, (x, y)),
     };
-    let certificate = certify(body, cholesky, law, theta_k, constants)?;
+    let of_strains = match (&kept.model, &body.strain) {
+        (KeptModel::Free(free), _) => {
+            constants_of_compliance(&body.contact, &free.strain_compliance())?
+        }
+        (_, StrainNorm::Combination(x, y)) => constants(*x, *y)?,
+        (_, StrainNorm::Assembled(values)) => constants_of(body, cholesky, values)?,
+    };
+    let of_material = MaterialConstants::of(&body.forms, body.mesh.dimension);
+    let certificate = certify(of_material, of_strains, law, theta_k, constants)?;
     let parts = Parts {
         kind: kept.kind,
         reduction: kept.reduction.clone(),
@@ -276,9 +298,13 @@ fn finish(
             (kept.model.shared().nonlinear()).map_or(0.0, Nonlinear::start_potential),
         ),
         certificate,
-        strain_weights: match body.strain {
-            StrainNorm::Combination(x, y) => Some((x, y)),
-            StrainNorm::Assembled(_) => None,
+        strain_weights: match (&kept.model, &body.strain) {
+            (KeptModel::Free(_), _) | (_, StrainNorm::Assembled(_)) => None,
+            (_, StrainNorm::Combination(x, y)) => Some((*x, *y)),
+        },
+        free: match &kept.model {
+            KeptModel::Free(free) => FreeMaterial::new(scene, Arc::clone(free)),
+            _ => None,
         },
         dimension: body.mesh.dimension,
         mesh_nodes: body.mesh.nodes.len(),
@@ -302,6 +328,7 @@ fn ranges(body: &Body) -> impl Iterator<Item = Range<usize>> {
 /// The model that is kept; a reduced one also serves the certificate.
 enum KeptModel {
     Reduced(Arc<Reduced>),
+    Free(Arc<Free>),
     Whole(Arc<dyn BodyModel>),
 }
 
@@ -309,6 +336,7 @@ impl KeptModel {
     fn shared(&self) -> Arc<dyn BodyModel> {
         match self {
             KeptModel::Reduced(reduced) => Arc::clone(reduced) as Arc<dyn BodyModel>,
+            KeptModel::Free(free) => Arc::clone(free) as Arc<dyn BodyModel>,
             KeptModel::Whole(whole) => Arc::clone(whole),
         }
     }
@@ -320,6 +348,8 @@ struct Kept {
     model: KeptModel,
     reduction: Option<crate::body::reduction::ReductionRecord>,
     synthesis: Option<Synthesis>,
+    /// The body whose operators the field comes back from, where they are not those of the scene.
+    ends: Option<Box<Body>>,
     /// Why `auto` kept the whole mesh.
     fallback: Option<String>,
     /// Relative error by rounding.
@@ -335,6 +365,9 @@ fn keep(
     sizes: &Sizes,
     watch: &mut Watch,
 ) -> Result<Kept> {
+    if scene.fidelity.free_material {
+        return keep_free(scene, body, cholesky, sizes, watch);
+    }
     let sigma = match body.forms.have_dashpots() {
         true => 0.0,
         false => SMALLEST_STEP * Tableau::of(scene.scheme()).theta() * scene.time.step,
@@ -350,6 +383,7 @@ fn keep(
         model: KeptModel::Whole(model),
         reduction: None,
         synthesis: None,
+        ends: None,
         fallback,
         lost_digits: ends.lost_digits,
     };
@@ -371,6 +405,7 @@ fn keep(
             model: KeptModel::Reduced(Arc::new(reduction.reduced)),
             reduction: Some(reduction.record),
             synthesis: Some(reduction.synthesis),
+            ends: None,
             fallback: None,
             lost_digits: ends.lost_digits,
         })
@@ -399,6 +434,39 @@ fn keep(
             Err(error) => condensed(Some(error.to_string())),
         },
     }
+}
+
+/// The modes that all materials of the body share: of the pair of operators at both ends of the ratios.
+fn keep_free(
+    scene: &Scene,
+    body: &Body,
+    cholesky: &SparseCholesky,
+    sizes: &Sizes,
+    watch: &mut Watch,
+) -> Result<Kept> {
+    sizes.check_reduction(scene)?;
+    let both = Box::new(body.of_forms(RATIOS.map(Share::end)));
+    let [slowest, fastest] = both.element_rates;
+    let ports = PortMatrix::new(&both);
+    let reference = ((slowest * fastest).sqrt(), 0.0);
+    let mut sampler = Sampler::new(&ports, &both.operators, cholesky, reference);
+    let ends = Ends::new(&mut sampler, &both)?;
+    ends.check(scene.fidelity.tolerance)?;
+    let reduction = reduce(&both, &mut sampler, &ends, &scene.fidelity, watch)?;
+    let Some(blend) = blend_of(scene, None) else {
+        return Err(Error::Body {
+            what: "the material does not stay free".to_owned(),
+        });
+    };
+    Ok(Kept {
+        kind: ModelKind::Reduced,
+        model: KeptModel::Free(Arc::new(Free::new(reduction.reduced, &blend))),
+        reduction: Some(reduction.record),
+        synthesis: Some(reduction.synthesis),
+        fallback: None,
+        lost_digits: ends.lost_digits,
+        ends: Some(both),
+    })
 }
 
 /// Compares the multiplications of a step: two passes over the port matrix, or over the factor and once over B. `None` where

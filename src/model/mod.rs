@@ -3,6 +3,7 @@
 mod bytes;
 pub mod certificate;
 mod compile;
+mod free;
 mod memory;
 pub(crate) mod motions;
 mod parts;
@@ -26,6 +27,7 @@ use crate::ports::Ports;
 use crate::scene::{Condition, Interpolation, ModelKind, Scene, Start};
 use crate::time::scheme::Tableau;
 use certificate::Certificate;
+use free::FreeMaterial;
 use motions::Motions;
 use start::InitialState;
 use std::sync::Arc;
@@ -93,6 +95,7 @@ pub struct Summary {
 /// A compiled scene.
 pub struct Model {
     body: Arc<dyn BodyModel>,
+    free: Option<FreeMaterial>,
     contact: ContactPatch,
     /// Area or volume of the part of every load, m^2 or m^3 (m or m^2 in 2D).
     measures: Vec<f64>,

@@ -2,6 +2,7 @@
 //! whether they were compiled a moment ago or read from bytes.
 
 use super::certificate::Certificate;
+use super::free::FreeMaterial;
 use super::motions::Motions;
 use super::selection::Selection;
 use super::start::InitialState;
@@ -45,6 +46,8 @@ pub(super) struct Parts {
     pub fallback: Option<String>,
     /// Relative error by rounding.
     pub lost_digits: f64,
+    /// The numbers of a material that stays free, with `body`.
+    pub free: Option<FreeMaterial>,
     /// The files that the scene names.
     pub files: MemoryFiles,
 }
@@ -76,6 +79,7 @@ impl Model {
             has_multiplicity_test: scene.fidelity.multiplicity_test,
             history_capacity: scene.history.capacity as usize,
             body: parts.body,
+            free: parts.free,
             contact: parts.contact,
             strain_weights: parts.strain_weights,
             certificate: parts.certificate,
@@ -199,9 +203,14 @@ fn ports(scene: &Scene, parts: &Parts, friction: &ContactLaw) -> Ports {
         can_lose_digits: can_lose_in_steps(
             scene,
             &Tableau::of(scene.scheme()),
-            parts.rates[1],
+            // the list of ports is that of all materials
+            match parts.free {
+                Some(_) => f64::INFINITY,
+                None => parts.rates[1],
+            },
             scene.time.step,
         ),
+        free_numbers: parts.free.as_ref().map_or(&[], |free| &free.numbers),
     })
 }
 

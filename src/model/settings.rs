@@ -51,7 +51,11 @@ impl Model {
 
     /// Whether internal steps of `k` may lose digits of displacement and slip.
     pub(crate) fn can_lose_digits(&self, k: f64) -> bool {
-        can_lose_in_steps(self.scene(), self.tableau(), self.summary().rates[1], k)
+        let fastest = match self.free {
+            Some(_) => f64::INFINITY,
+            None => self.summary().rates[1],
+        };
+        can_lose_in_steps(self.scene(), self.tableau(), fastest, k)
     }
 
     /// Step sizes whose factorizations a simulator keeps: the start, the communication step, its last remainder, and a trial

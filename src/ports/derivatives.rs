@@ -38,7 +38,9 @@ impl Quantity {
             | MeanSlipRate | MeanPressure | LoadDisplacement(_) | LoadVelocity(_)
             | ProbeDisplacement(_) | ProbeVelocity(_) | DriveDisplacement(_) | DriveVelocity(_)
             | DriveForce(_) | FoundationForce(_) | ExternalWork | ElasticEnergy
-            | ViscousDissipation | FrictionDissipation | Coefficient(_) => Tangent::Linear,
+            | ViscousDissipation | FrictionDissipation | Coefficient(_) | Material(_) => {
+                Tangent::Linear
+            }
             BalanceError => Tangent::Balance,
             Stick | Status | StickFraction | OpenFraction | Iterations | Residual | Solutions
             | SolutionGap | ErrorEstimate | LostDigits => Tangent::Zero,
@@ -62,7 +64,9 @@ impl Quantity {
             | SlipRate | Stick | ContactForce | MaxSlipRate | StickFraction | LoadVelocity(_)
             | ProbeVelocity(_) | ExternalWork | ElasticEnergy | ViscousDissipation
             | FrictionDissipation | BalanceError | Iterations | Residual | Solutions
-            | SolutionGap | ErrorEstimate | LostDigits | Coefficient(_) => Slope::Unknown,
+            | SolutionGap | ErrorEstimate | LostDigits | Coefficient(_) | Material(_) => {
+                Slope::Unknown
+            }
         }
     }
 }

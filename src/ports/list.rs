@@ -15,6 +15,7 @@ impl Ports {
         ports.add_motions(shapes);
         ports.add_accounts(shapes);
         ports.add_coefficients(shapes);
+        ports.add_material(shapes);
         ports
     }
 
@@ -415,6 +416,21 @@ impl Ports {
                 &place.shape(),
                 Quantity::Coefficient(i),
                 "Coefficient of the friction law; may change between steps.",
+            );
+        }
+    }
+}
+
+impl Ports {
+    fn add_material(&mut self, shapes: &Shapes) {
+        for (i, number) in shapes.free_numbers.iter().enumerate() {
+            self.add(
+                number.path.as_str(),
+                number.unit,
+                Causality::Parameter,
+                &[],
+                Quantity::Material(i),
+                format!("{} Set before the initialization.", number.text),
             );
         }
     }

@@ -10,6 +10,7 @@ pub(crate) use derivatives::Tangent;
 use crate::contact::law::ContactLaw;
 use crate::error::{Error, Result};
 use crate::fem::{ContactPart, ContactPatch};
+use crate::material::FreeNumber;
 use std::ops::Range;
 
 /// What a port is to a master.
@@ -65,6 +66,8 @@ pub enum Quantity {
     ErrorEstimate,
     LostDigits,
     Coefficient(usize),
+    /// A number of a material that stays free.
+    Material(usize),
 }
 
 /// One variable.
@@ -146,6 +149,8 @@ pub(crate) struct Shapes<'a> {
     pub has_error_estimate: bool,
     /// Whether its steps may lose digits.
     pub can_lose_digits: bool,
+    /// Numbers of a material that stays free.
+    pub free_numbers: &'a [FreeNumber],
 }
 
 impl Ports {

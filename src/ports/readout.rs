@@ -108,6 +108,7 @@ pub(crate) fn read(model: &Model, state: &State, port: &Port, out: &mut [f64]) {
         Quantity::LoadDisplacement(i) => state.output_displacement[i] / model.load_measure(i),
         Quantity::LoadVelocity(i) => state.main.instant.output_velocity[i] / model.load_measure(i),
         Quantity::Input(i) => state.inputs[i],
+        Quantity::Material(i) => state.material[i],
         Quantity::DriveDisplacement(i) => state.drive_displacement[i],
         Quantity::DriveVelocity(i) => state.main.instant.drive_velocity[i],
         Quantity::DriveForce(i) => state.main.instant.drive_force[i],

@@ -3,6 +3,7 @@
 //! nodes, cells of regions) is said when the body is assembled (`crate::fem`).
 
 mod body;
+mod free;
 mod initial;
 mod motion;
 mod nonlinear;
@@ -44,6 +45,7 @@ pub(super) fn check_in(scene: &Scene, dimension: Option<usize>) -> Verdict {
     check_dashpots(scene)?;
     check_precision(&scene.fidelity)?;
     nonlinear::check(scene)?;
+    free::check(scene)?;
     check_work_limit(scene)?;
     check_target(scene)?;
     check_signals(scene)

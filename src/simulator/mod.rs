@@ -3,6 +3,7 @@
 pub mod course;
 pub mod drive;
 mod inputs;
+mod material;
 mod reading;
 mod saving;
 mod work;
@@ -30,6 +31,8 @@ const SAME_INSTANT: f64 = 1e-6;
 /// One simulation. Steps allocate nothing once the models' step sizes are known; a failed call changes nothing.
 pub struct Simulator {
     model: Arc<Model>,
+    /// The model it was made of: that of the numbers of the scene, where a material stays free.
+    compiled: Arc<Model>,
     state: State,
     /// The state before the last step, its recorded past apart, for derivatives of it.
     previous: State,
@@ -46,6 +49,7 @@ impl Clone for Simulator {
     fn clone(&self) -> Simulator {
         Simulator {
             model: Arc::clone(&self.model),
+            compiled: Arc::clone(&self.compiled),
             state: self.state.clone(),
             previous: self.previous.clone(),
             last_step: self.last_step,
@@ -67,6 +71,7 @@ impl Simulator {
             workspace: Workspace::new(&model),
             bends: Vec::new(),
             state,
+            compiled: Arc::clone(&model),
             model,
         }
     }
@@ -96,7 +101,8 @@ impl Simulator {
     ///
     /// # Errors
     /// [`Error::CallOrder`] when already initialized, [`Error::Value`] for a time that is not finite or for friction
-    /// coefficients that do not fit each other, [`Error::NotConverged`], [`Error::Overflow`].
+    /// coefficients that do not fit each other, [`Error::NotConverged`], [`Error::Overflow`]; those of [`Model::with_material`] for
+    /// numbers of a free material.
     pub fn init(&mut self, time: f64) -> Result<()> {
         if self.is_initialized() {
             return Err(Error::CallOrder {
@@ -112,6 +118,7 @@ impl Simulator {
             });
         }
         self.check_coefficients()?;
+        self.take_material()?;
         self.attempt(|model, state, ws| {
             state.time = time;
             state.needs_settling = 0;
@@ -129,6 +136,7 @@ impl Simulator {
 
     /// Back to the state before initialization, with the inputs and coefficients of the scene.
     pub fn reset(&mut self) {
+        self.put_model(Arc::clone(&self.compiled));
         self.state = State::new(&self.model);
         self.last_step = None;
     }
@@ -180,6 +188,7 @@ impl Simulator {
         let model = Arc::clone(&self.model);
         let port = model.ports().get(reference)?;
         let quantity = settable(&model, port, value)?;
+        self.check_phase(quantity)?;
         self.check_count(port.len(), 1)?;
         self.put(quantity, 0, value);
         Ok(())
@@ -200,6 +209,7 @@ impl Simulator {
             });
         }
         let quantity = settable(&model, port, value)?;
+        self.check_phase(quantity)?;
         self.put(quantity, element, value);
         Ok(())
     }
@@ -225,6 +235,7 @@ impl Simulator {
             count = count.saturating_add(port.len());
         }
         self.check_count(count, values.len())?;
+        self.check_material_ports(references, values)?;
         // the trial state is scratch between steps
         let coefficients = &mut self.trial.coefficients;
         coefficients.copy_from_slice(&self.state.coefficients);
@@ -282,6 +293,7 @@ impl Simulator {
                     self.state.needs_settling = self.state.is_initialized;
                 }
             }
+            Quantity::Material(i) => self.state.material[i] = value,
             _ => {}
         }
     }
@@ -414,6 +426,7 @@ fn settable(model: &Model, port: &Port, value: f64) -> Result<Quantity> {
     }
     match port.quantity {
         Quantity::Input(_) => {}
+        Quantity::Material(i) => model.check_number(i, value)?,
         Quantity::Coefficient(i) => {
             let (part, own) = model.friction().coefficient(i);
             part.law.check_value(own, value)?;

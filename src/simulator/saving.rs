@@ -2,7 +2,9 @@
 
 use super::Simulator;
 use crate::error::{Error, Result};
+use crate::model::Model;
 use crate::state::State;
+use std::sync::Arc;
 
 impl Simulator {
     /// A state of this model to save into; holds the state before initialization.
@@ -18,12 +20,15 @@ impl Simulator {
         to.copy_from(&self.state)
     }
 
-    /// Makes a saved state the current one; allocates nothing. There is no step to take derivatives of afterwards.
+    /// Makes a saved state the current one; allocates nothing, but where it has other numbers of a free material, which it brings
+    /// with it. There is no step to take derivatives of afterwards.
     ///
     /// # Errors
     /// [`crate::Error::Fingerprint`] for the state of another model.
     pub fn restore(&mut self, from: &State) -> Result<()> {
+        let model = self.model_of_state(from)?;
         self.state.copy_from(from)?;
+        model.into_iter().for_each(|model| self.put_model(model));
         self.last_step = None;
         Ok(())
     }
@@ -41,14 +46,27 @@ impl Simulator {
     /// range); [`Error::Fingerprint`].
     pub fn restore_bytes(&mut self, bytes: &[u8]) -> Result<()> {
         self.trial.read_bytes(bytes)?;
-        self.trial.check_plausible(&self.model)?;
-        if let Some(what) = self.workspace.finite.fault(&self.model, &self.trial) {
+        let of_state = self.model_of_state(&self.trial)?;
+        let model = of_state.as_ref().unwrap_or(&self.model);
+        self.trial.check_plausible(model)?;
+        if let Some(what) = self.workspace.finite.fault(model, &self.trial) {
             return Err(Error::Bytes {
                 what: format!("saved state: {what} is not finite"),
             });
         }
         std::mem::swap(&mut self.state, &mut self.trial);
+        of_state.into_iter().for_each(|model| self.put_model(model));
         self.last_step = None;
         Ok(())
+    }
+
+    /// The model that a state has been made with, where it is of the same modes and another one than the present one.
+    fn model_of_state(&self, state: &State) -> Result<Option<Arc<Model>>> {
+        let is_other = state.fingerprint != self.state.fingerprint;
+        // numbers that no initialization has taken up wait in the state
+        if is_other || state.is_initialized == 0 {
+            return Ok(None);
+        }
+        self.model_of(&state.material)
     }
 }

@@ -48,6 +48,8 @@ pub(crate) struct Sizes {
     /// Numbers of foundations that remember penetration.
     pub penetration: usize,
     pub coefficients: usize,
+    /// Numbers of a material that stays free.
+    pub material: usize,
     /// Whether there is a second solution.
     pub has_second: bool,
     /// Whether steps may lose digits.

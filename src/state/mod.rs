@@ -64,6 +64,8 @@ blocks! {
         energy: Motion[|_| energy::COUNT],
         /// Coefficients of the friction law, one after the other (see `ContactLaw::places`).
         coefficients: Given[|s| s.coefficients],
+        /// Numbers of the material, where they stay free.
+        material: Given[|s| s.material],
         /// Account of the last communication step; see [`report`].
         report: Account[|_| report::COUNT],
         /// What step control and error estimate remember; see [`control`].
@@ -164,6 +166,7 @@ impl State {
             slip_memory: model.friction().slip_memory_len(),
             penetration: (model.relaxing().last()).map_or(0, |part| part.numbers.end),
             coefficients: model.friction().start().len(),
+            material: model.free_values().len(),
             has_second: model.has_error_estimate(),
             can_lose_digits: model.can_lose_digits(model.largest_step()),
             rows: model.history_capacity(),
@@ -180,6 +183,7 @@ impl State {
         state.loads.copy_from_slice(start);
         state.inputs.copy_from_slice(start);
         state.coefficients.copy_from_slice(coefficients);
+        state.material.copy_from_slice(model.free_values());
         state.start_memory(model);
         for (kind, points) in state.blocks_mut().filter(|(_, block)| !block.is_empty()) {
             match kind {

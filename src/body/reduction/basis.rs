@@ -1,4 +1,4 @@
-//! A basis of fields that is orthonormal in the viscosity A, made block by block.
+//! A basis of fields that is orthonormal in the viscosity A, or another operator, made block by block.
 
 use faer::linalg::matmul::matmul;
 use faer::reborrow::{Reborrow, ReborrowMut};
@@ -14,12 +14,20 @@ pub struct Basis {
     fields: Mat<f64>,
     images: Mat<f64>,
     len: usize,
+    /// Share of a response below which it is dropped.
+    dependent: f64,
 }
 
 impl Basis {
     /// For up to `most` fields.
     pub fn new(rows: usize, most: usize) -> Basis {
+        Basis::dropping(rows, most, DEPENDENT)
+    }
+
+    /// The same, where a response is dropped when no more than a share of it is what the others do not hold.
+    pub fn dropping(rows: usize, most: usize, dependent: f64) -> Basis {
         Basis {
+            dependent,
             fields: Mat::zeros(rows, most),
             images: Mat::zeros(rows, most),
             len: 0,
@@ -79,7 +87,7 @@ impl Basis {
             }
             held += self.remove(first, own.rb_mut(), image.rb_mut());
             let length = energy(own.rb(), image.rb()).sqrt();
-            if length > DEPENDENT * held.sqrt() {
+            if length > self.dependent * held.sqrt() && self.len < self.fields.ncols() {
                 let unit = Scale(1.0 / length);
                 let at = self.len..self.len + 1;
                 self.fields

@@ -18,6 +18,7 @@ mod shifts;
 mod synthesis;
 pub(crate) mod transfer;
 mod turn;
+mod vectors;
 mod whole;
 mod zolotarev;
 
@@ -41,6 +42,8 @@ use transfer::Sampler;
 /// stress at a single node reacts more strongly than the energy of the whole contact. The factor is smaller where the
 /// rounding of the samples does not allow for it.
 const LOAD_EMPHASIS: f64 = 1000.0;
+/// How many times the rounding of the samples an error is at least that is told from it, where responses are vectors.
+const ROUNDING_TOLD: f64 = 4.0;
 /// Weight of the loads among the ports when their responses are ranked, where the fields do not hold them: they are few, and are
 /// kept nearly whole.
 const LOAD_WEIGHT: f64 = 5.0;
@@ -121,7 +124,10 @@ pub fn reduce(
         Precision::Single => f64::from(f32::EPSILON),
     };
     let rounding = ends.lost_digits.max(2.0 * unit * body.len() as f64);
-    let emphasis = (tolerance / rounding).clamp(1.0, LOAD_EMPHASIS);
+    let emphasis_for = |rounding: f64| (tolerance / rounding).clamp(1.0, LOAD_EMPHASIS);
+    let emphasis = emphasis_for(rounding);
+    // errors as small as the estimate of rounding are not told from it
+    let emphasis_told = of_loads(emphasis_for(ROUNDING_TOLD * rounding));
     let depth = Depth::new(interval, tolerance, emphasis, TRUNCATION_SHARES[0]);
     let (weights, emphasis) = (of_loads(LOAD_WEIGHT), of_loads(emphasis));
     let held_loads = held_loads(loads);
@@ -132,6 +138,41 @@ pub fn reduce(
         closest: (f64::INFINITY, 0),
         outlying: None,
     };
+    let units = (reference_rate, sigma);
+    let of_fields = (held_loads, depth);
+    let by_vectors = |sampler: &mut Sampler,
+                      search: &mut Search,
+                      watch: &mut Watch|
+     -> Result<Option<Reduction>> {
+        let plan = Shifts::without_derivatives(interval, tolerance);
+        let Some(shifts) = plan.filter(|plan| vectors::are_affordable(sampler, plan.count()))
+        else {
+            return Ok(None);
+        };
+        let mut sampled = Sampled::new(
+            sampler,
+            ends,
+            shifts,
+            &weights,
+            &emphasis_told,
+            of_fields,
+            watch,
+        )?;
+        for dropped in vectors::DROPPED {
+            let (modes, fields) =
+                vectors::modes(sampler, &sampled, (dropped, tolerance), interval)?;
+            if let Some(truncated) = search.judge(modes, &sampled)? {
+                sampled.fields.fields = fields;
+                return Ok(Some(finish(truncated, sampled, loads, units, body.len())));
+            }
+        }
+        Ok(None)
+    };
+    if fidelity.free_material
+        && let Some(found) = by_vectors(sampler, &mut search, watch)?
+    {
+        return Ok(found);
+    }
     let (mut planned, mut judge) = (None, None);
     // the plan is for an even spectrum; a body that needs more than one shift beyond it is at the limit of rounding
     for (derivatives, count) in ways(body, sampler, fidelity)
@@ -147,7 +188,6 @@ pub fn reduce(
         if judge.is_some() && count == 0 && !shifts.computes_derivatives() {
             break;
         }
-        let of_fields = (held_loads, depth);
         let sampled = Sampled::new(sampler, ends, shifts, &weights, &emphasis, of_fields, watch)?;
         let smooth = 0..sampled.turn.len();
         let of_loads = ports.contact_len..ports.contact_len + held_loads;
@@ -160,14 +200,7 @@ pub fn reduce(
             found = search.truncate(&projection, &sampled)?;
         }
         if let Some(truncated) = found {
-            let n = body.len();
-            return Ok(finish(
-                truncated,
-                sampled,
-                loads,
-                (reference_rate, sigma),
-                n,
-            ));
+            return Ok(finish(truncated, sampled, loads, units, body.len()));
         }
         planned = sampled.shifts.refined(interval, tolerance, *derivatives);
         judge = Some(sampled);
@@ -178,7 +211,6 @@ pub fn reduce(
             Some(sampled) => sampled,
             None => {
                 let shifts = Shifts::new(interval, JUDGING_SHIFTS, tolerance, Derivatives::Sampled);
-                let of_fields = (held_loads, depth);
                 Sampled::new(sampler, ends, shifts, &weights, &emphasis, of_fields, watch)?
             }
         };
@@ -187,15 +219,14 @@ pub fn reduce(
         let (modes, fields) = whole::modes(operators, sampler, scaling, size, interval)?;
         if let Some(truncated) = search.judge(modes, &sampled)? {
             sampled.fields.fields = fields;
-            let n = body.len();
-            return Ok(finish(
-                truncated,
-                sampled,
-                loads,
-                (reference_rate, sigma),
-                n,
-            ));
+            return Ok(finish(truncated, sampled, loads, units, body.len()));
         }
+    }
+    if has_vectors(fidelity)
+        && !fidelity.free_material
+        && let Some(found) = by_vectors(sampler, &mut search, watch)?
+    {
+        return Ok(found);
     }
     Err(search.failure(rates, reference_rate))
 }
@@ -210,18 +241,24 @@ pub(crate) fn bounded(rate: f64, sigma: f64) -> f64 {
 
 /// Whether all modes of the body are the last resort.
 fn has_whole(body: &Body, fidelity: &Fidelity) -> bool {
-    fidelity.model == ModelKind::Reduced
-        && whole::is_small(body.len())
-        && body.operators.memory.is_empty()
-        && body.forms.have_dashpots()
+    (fidelity.free_material || fidelity.model == ModelKind::Reduced)
+        && whole::is_small(body.len() * (1 + body.operators.memory.len()))
+}
+
+/// Whether the responses themselves are projected on: first for a material that stays free, whose rates lie decades apart, else where
+/// samples do not suffice.
+fn has_vectors(fidelity: &Fidelity) -> bool {
+    fidelity.free_material || fidelity.model == ModelKind::Reduced
 }
 
 /// Where derivatives may come from, in the order in which that is tried. `auto` does not compute dear ones: it has the condensed model.
 fn ways(body: &Body, sampler: &Sampler, fidelity: &Fidelity) -> &'static [Derivatives] {
     let is_dear = sampler.derivative_work() > DEAREST_DERIVATIVE;
-    if has_whole(body, fidelity) || (is_dear && fidelity.model != ModelKind::Reduced) {
+    let is_plain = body.operators.memory.is_empty() && body.forms.have_dashpots();
+    let may_be_dear = fidelity.free_material || fidelity.model == ModelKind::Reduced;
+    if (is_plain && has_whole(body, fidelity)) || (is_dear && !may_be_dear) {
         &[Derivatives::Sampled]
-    } else if body.operators.memory.is_empty() && body.forms.have_dashpots() {
+    } else if is_plain {
         &[Derivatives::Sampled, Derivatives::Computed]
     } else {
         &[Derivatives::Computed]

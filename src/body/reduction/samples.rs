@@ -120,6 +120,41 @@ impl<'a> Sampled<'a> {
         Ok(worst)
     }
 
+    /// The modes without those, of the smallest shares, whose shares of the response at any sample that judges sum to no more than
+    /// `left_out`: see the module for what errors are measured in.
+    pub fn seen_modes(&self, rates: &[f64], ports: MatRef<f64>, left_out: f64) -> Vec<usize> {
+        let mut shares = vec![0.0_f64; rates.len()];
+        for &at in &self.shifts.tests {
+            let (exact, z) = (&self.transfer[at], &self.factors[at]);
+            let contact = z.nrows();
+            let (c, d) = shift(self.shifts.angles[at]);
+            let mut on_contact = ports.get(.., ..contact).transpose().to_owned();
+            solve_upper_triangular_in_place(z.transpose(), on_contact.as_mut(), Par::Seq);
+            for (mode, (share, rate)) in shares.iter_mut().zip(rates).enumerate() {
+                let amplitude = on_contact.col(mode).norm_l2();
+                let mut largest = amplitude * amplitude;
+                for (port, emphasis) in (contact..exact.nrows()).zip(self.emphasis) {
+                    let own = exact[(port, port)];
+                    if own > 0.0 {
+                        let seen = ports[(mode, port)].abs() / own.sqrt();
+                        largest = largest.max(emphasis * amplitude * seen).max(seen * seen);
+                    }
+                }
+                *share = share.max(largest / (c + d * rate));
+            }
+        }
+        let mut order: Vec<usize> = (0..rates.len()).collect();
+        order.sort_by(|a, b| shares[*a].total_cmp(&shares[*b]));
+        let mut sum = 0.0;
+        let dropped = order.iter().take_while(|mode| {
+            sum += shares[**mode];
+            sum <= left_out
+        });
+        let mut kept = order[dropped.count()..].to_vec();
+        kept.sort_unstable();
+        kept
+    }
+
     fn error_at(&self, rates: &[f64], ports: MatRef<f64>, at: usize) -> Result<f64> {
         let (exact, z) = (&self.transfer[at], &self.factors[at]);
         let (m, contact) = (exact.nrows(), z.nrows());

@@ -84,6 +84,12 @@ impl Shifts {
             .map(|count| Shifts::new(interval, count, tolerance, derivatives))
     }
 
+    /// The same, where no derivative is asked for.
+    pub fn without_derivatives(interval: [f64; 2], tolerance: f64) -> Option<Shifts> {
+        Shifts::for_tolerance(interval, tolerance, Derivatives::Computed)
+            .map(|shifts| Shifts::with_outer_samples(interval, shifts.count(), 0))
+    }
+
     /// `count` shifts, with samples beyond the ends until the derivatives are accurate enough for `tolerance`, or until there
     /// are as many as allowed and derivatives are computed, or as good as they get.
     pub fn new(

@@ -9,6 +9,11 @@ use crate::linalg::SparseCholesky;
 use faer::{ColMut, ColRef, Mat};
 
 impl Synthesis {
+    /// Modal coordinates.
+    pub fn states(&self) -> usize {
+        self.forces.ncols()
+    }
+
     /// Nodal field of modal coordinates `q`: `sum_i (c_i A + d_i B)^-1 P y_i`, `y_i` the port forces of shift i.
     ///
     /// # Errors

@@ -225,6 +225,25 @@ impl<'a> Sampler<'a> {
         out
     }
 
+    /// `B_ext x` divided by the reference rate, for the columns of `x`; `elasticity` has the values of B by that rate.
+    pub fn elastic_images(&mut self, elasticity: &[f64], x: MatRef<f64>) -> Mat<f64> {
+        let (n, operators) = (self.ports.rows, self.operators);
+        let own = x.subrows(0, n);
+        let mut out = Mat::zeros(x.nrows(), x.ncols());
+        let image = self.apply(elasticity, own);
+        out.as_mut().subrows_mut(0, n).copy_from(image);
+        for (j, branch) in operators.memory.iter().enumerate() {
+            let at = (1 + j) * n;
+            let lag = own - x.subrows(at, n);
+            let force = Scale(1.0 / self.reference_rate) * self.apply(&branch.c, lag.as_ref());
+            let mut to = out.as_mut().subrows_mut(0, n);
+            to += &force;
+            let to = out.as_mut().subrows_mut(at, n);
+            zip!(to, &force).for_each(|unzip!(to, force)| *to = -force);
+        }
+        out
+    }
+
     /// `x . B_ext y` divided by the reference rate, for all columns of `x` with themselves; `elasticity` has the values of B by
     /// that rate.
     pub fn elastic_gram(&mut self, elasticity: &[f64], x: MatRef<f64>) -> Mat<f64> {

@@ -104,6 +104,13 @@ pub struct Fidelity {
     /// of which 64-bit numbers lose more is refused, whatever the model: one of very flat cells, or nearly incompressible.
     #[schemars(range(min = 1e-12, max = 1e-1))]
     pub tolerance: f64,
+    /// Whether the numbers of the material stay free in the compiled model: moduli, viscosities and the branches of its memory are
+    /// then parameters, named by their paths in the scene, that may be set until the initialization ends, without compiling again.
+    /// For one isotropic material over the whole body (laws that do not vary, with a dashpot), and `model` `reduced` or `auto`; the
+    /// ratio lambda / 2 mu of every stage within -0.25 to 1e4, for all of which `tolerance` holds; it keeps about half as many states
+    /// again. Not with an initial displacement, motions that strain the body, or `target_error`. Default: false.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub free_material: bool,
     /// Precision in which a reduced model keeps its port matrix; only with `model` `reduced`. Default: `double`.
     pub precision: Precision,
     /// Force by which the friction law may be violated at a contact node, relative to the bound there: a tolerance of the
@@ -147,6 +154,7 @@ impl Default for Fidelity {
         Fidelity {
             model: ModelKind::Auto,
             tolerance: 1e-8,
+            free_material: false,
             precision: Precision::Double,
             friction_tolerance: 1e-10,
             target_error: None,
