@@ -6,6 +6,7 @@ mod common;
 use common::{scene, start, value, values};
 use serde_json::{Value, json};
 use std::f64::consts::PI;
+use stickslip::scene::{ExampleFiles, Scene, example};
 use stickslip::simulator::drive::Drive;
 use stickslip::{MemoryFiles, Simulator, compile, compile_from};
 
@@ -446,5 +447,35 @@ fn gap_is_a_formula_of_the_place() {
             .to_string();
         assert!(error.contains("contact.condition.gap"), "{error}");
         assert!(error.contains(found) && error.contains(allowed), "{error}");
+    }
+}
+
+/// A lip that hardly changes its volume resists some motions 1e5 times as much as others. What a step of friction takes there stays
+/// within tens, where the stroke turns and where the shaft comes to a stop too, and rounding is told from what is not solved.
+#[test]
+fn a_lip_that_keeps_its_volume_takes_tens_of_iterations() {
+    let memory = r#"[{"tau":0.5,"law":"isotropic","shear":8e5,"bulk":0}]"#;
+    for overrides in [
+        &[("material.memory", memory)][..],
+        &[("contact.friction.coefficient", "0.3")],
+        &[
+            ("material.memory", memory),
+            ("contact.friction.coefficient", "0.2"),
+        ],
+    ] {
+        let text = example("lip_seal").unwrap();
+        let overrides = overrides
+            .iter()
+            .map(|(p, v)| (p.to_string(), v.to_string()));
+        let overrides: Vec<_> = overrides.collect();
+        let scene = Scene::with_overrides(text, "lip_seal", &overrides).unwrap();
+        let model = compile_from(&scene, &ExampleFiles).unwrap();
+        let mut simulator = Simulator::new(model);
+        let mut drive = Drive::start(&scene, &mut simulator).unwrap();
+        let mut most = 0.0_f64;
+        while let Some(simulator) = drive.step().unwrap() {
+            most = most.max(value(simulator, "solver.iterations"));
+        }
+        assert!((10.0..80.0).contains(&most), "{overrides:?}: {most}");
     }
 }

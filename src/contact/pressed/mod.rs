@@ -17,6 +17,7 @@
 mod border;
 mod chain;
 mod direction;
+mod energy;
 mod linearisation;
 mod multiplicity;
 mod newton;

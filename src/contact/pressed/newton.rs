@@ -4,15 +4,19 @@
 //! of many have other slopes, it is taken as it is if it contracts well; otherwise the matrix is factored at the present point,
 //! and the step is halved until the imbalance decreases.
 //!
-//! Where no bound weakens, the first steps of a descent are whole whatever the imbalance: a front between stick and slip, or the
+//! Where no bound weakens fast, the first steps of a descent are whole whatever the imbalance: a front between stick and slip, or the
 //! edge of an open part, moves over many nodes at once, and halving would only move it by fewer. If they do not lead to the
-//! solution, the descent goes on from the best of their points.
+//! solution, the descent goes on from the best of their points. A node whose slip such steps reverse twice is let stick: it would
+//! go to and fro for ever, and its solution lies between.
 
 use super::direction::Direction;
+use super::energy::Energy;
 use super::linearisation::{Distance, FactorCache, Following, PressedPoint};
-use super::point::{Point, Slopes, raise_slopes, set_slopes};
+use super::node::Node;
+use super::point::{Point, Slopes, length, raise_slopes, set_slopes};
 use super::problem::PressedProblem;
 use super::residual::{is_near_balance, residual_beyond_rounding, worst_node};
+use crate::linalg::dot;
 
 /// Halvings of a step before Newton's method gives up.
 const HALVINGS: usize = 8;
@@ -39,8 +43,13 @@ pub(super) struct Newton {
     pub cache: FactorCache,
     /// Whether the imbalance may rise for a few steps.
     pub is_patient: bool,
+    energy: Energy,
+    /// Whether the imbalance is measured by its energy.
+    is_energetic: bool,
     /// Whether steps are whole whatever the imbalance.
     is_bold: bool,
+    /// Whether a node has reversed its slip in this descent.
+    has_reversed: Vec<bool>,
     /// The least imbalance among the points of bold steps, N.
     least_merit: f64,
     /// Its point, where that is not the accepted one.
@@ -106,7 +115,10 @@ impl Newton {
             direction: Direction::new(len),
             cache: FactorCache::new(nodes, components),
             is_patient: false,
+            energy: Energy::new(len),
+            is_energetic: false,
             is_bold: false,
+            has_reversed: vec![false; nodes],
             least_merit: f64::NAN,
             kept: Point::new(nodes, len),
             is_least_kept: false,
@@ -120,6 +132,21 @@ impl Newton {
         self.accepted.v.copy_from_slice(velocity);
         self.accepted.f.copy_from_slice(force);
         set_slopes(problem, force, &mut self.slopes);
+        self.accepted.project(problem, &self.slopes);
+    }
+
+    /// The same with slopes so many times as steep.
+    pub fn start_steeper(
+        &mut self,
+        problem: &PressedProblem,
+        velocity: &[f64],
+        force: &[f64],
+        times: f64,
+    ) {
+        self.start(problem, velocity, force);
+        self.slopes.iter_mut().flatten().for_each(|s| *s *= times);
+        self.accepted.v.copy_from_slice(velocity);
+        self.accepted.f.copy_from_slice(force);
         self.accepted.project(problem, &self.slopes);
     }
 
@@ -151,8 +178,10 @@ impl Newton {
         at: &mut PressedPoint,
     ) -> Outcome {
         let mut is_slow = true;
+        self.measure();
         self.past = [0.0; MEMORY];
         self.is_bold = !self.is_patient && !problem.can_weaken(&self.accepted.f);
+        self.has_reversed.fill(false);
         for step in 0.. {
             self.end_boldness(step);
             let residual = worst_node(problem, &self.accepted).0;
@@ -176,6 +205,9 @@ impl Newton {
                     Some(left) => Outcome::AtRounding(left),
                     None => Outcome::Stalled,
                 };
+            }
+            if self.is_bold {
+                self.hold_reversing(problem);
             }
             is_slow = self.accepted.merit > SLOW * before;
             raise_slopes(problem, &self.accepted.f, &mut self.slopes);
@@ -208,6 +240,39 @@ impl Newton {
     fn take_least(&mut self) {
         if self.is_bold && self.is_least_kept {
             self.accepted.copy_from(&self.kept);
+        }
+    }
+
+    /// Lets nodes stick whose slip a bold step has reversed, if it is not for the first time: they would go to and fro for ever.
+    fn hold_reversing(&mut self, problem: &PressedProblem) {
+        let c = problem.components;
+        let Newton {
+            accepted,
+            trial,
+            has_reversed,
+            ..
+        } = self;
+        let mut is_changed = false;
+        let nodes = accepted.nodes.iter().zip(&trial.nodes);
+        for (node, ((now, before), has_reversed)) in nodes.zip(has_reversed).enumerate() {
+            let turn = dot(&now.direction[..c], &before.direction[..c]);
+            let is_pressed = |node: &Node| !node.is_free || node.fall > 0.0;
+            let resists = |node: &Node| node.slips && is_pressed(node);
+            if !(resists(now) && resists(before) && turn < 0.0) {
+                continue;
+            }
+            if *has_reversed {
+                accepted.v[problem.tangential(node)].fill(0.0);
+                accepted.f[problem.tangential(node)].fill(0.0);
+                is_changed = true;
+            }
+            *has_reversed = true;
+        }
+        if is_changed {
+            accepted.project(problem, &self.slopes);
+            if self.is_energetic {
+                self.measure();
+            }
         }
     }
 
@@ -297,5 +362,30 @@ impl Newton {
             *new = old + length * change;
         }
         trial.project(problem, &self.slopes);
+        if self.is_energetic {
+            trial.merit = self.energy.length(&trial.imbalance);
+        }
+    }
+
+    /// Whether the imbalance is measured by its energy from here on, where S has a factor, or by its plain length.
+    pub fn set_energetic(&mut self, problem: &PressedProblem, is_energetic: bool) {
+        self.is_energetic = is_energetic && self.energy.prepare(problem);
+    }
+
+    /// Measures the imbalance of the accepted point.
+    pub fn measure(&mut self) {
+        let Newton {
+            accepted, energy, ..
+        } = self;
+        accepted.merit = match self.is_energetic {
+            true => energy.length(&accepted.imbalance),
+            false => length(&accepted.imbalance),
+        };
+    }
+
+    /// Forgets what was factored.
+    pub fn forget(&mut self) {
+        self.cache.forget();
+        self.energy.forget();
     }
 }

@@ -6,11 +6,14 @@
 
 use super::problem::{NormalCondition, PressedBound, PressedProblem};
 use crate::contact::problem::{SLOWEST, norm};
+use crate::linalg::dot;
 
 /// Evaluations of the law that one projection may take.
 const EVALUATIONS: usize = 200;
 /// A root is known when the forces balance to this share of them, or the bracket is as narrow.
 const EXACT: f64 = 2.0 * f64::EPSILON;
+/// A friction force fits its bound to this share of it.
+const FITS: f64 = 16.0 * f64::EPSILON;
 /// First step down from the largest rate of a bracket that begins at rest; every further one goes twice as many decades.
 const FIRST_DESCENT: f64 = 1e-3;
 
@@ -201,14 +204,14 @@ pub struct Friction {
 }
 
 /// The slip rate at which `rho rate + B(rate, p) = pull`, or rest where the bound at rest holds the pull. `guess` is a rate to
-/// begin with.
+/// begin with, and the friction force that goes with it: `pull` is rho times the one and the other.
 pub fn project_tangential(
     problem: &PressedProblem,
     node: usize,
     rho: f64,
     pull: f64,
     force: f64,
-    guess: f64,
+    (guess, friction): (f64, f64),
 ) -> Friction {
     let at_rest = problem.bound(node, 0.0, force);
     let rest = |slips| Friction {
@@ -223,12 +226,26 @@ pub fn project_tangential(
     // NaN ends here too
     let (mut low, mut high) = (0.0, pull / rho);
     let mut rate = (pull - at_rest.bound) / rho;
+    let mut law = at_rest;
+    let is_within = low < guess && guess < high;
+    if is_within {
+        law = problem.bound(node, guess, force);
+        // a pair that fits stays: the pull knows a rate to the digits of the force alone
+        if (law.bound - friction).abs() <= FITS * law.bound {
+            return Friction {
+                slips: true,
+                rate: guess,
+                law,
+            };
+        }
+    }
     // a bound that does not begin to change is the same bound further on, as a rule
-    if at_rest.by_rate != 0.0 && low < guess && guess < high {
+    if is_within && at_rest.by_rate != 0.0 {
         rate = guess;
+    } else {
+        law = problem.bound(node, rate, force);
     }
     let mut descent = FIRST_DESCENT;
-    let mut law = problem.bound(node, rate, force);
     let mut last_width = f64::INFINITY;
     for _ in 0..EVALUATIONS {
         // summed so that the largest terms meet first
@@ -312,13 +329,19 @@ pub fn project(
         z[i] = f[i] + rho[0] * v[i];
     }
     let pull = norm(&z[..c]);
-    let guess = norm(&v[..c]);
-    let Friction { slips, rate, law } =
-        project_tangential(problem, node, rho[0], pull, normal.force, guess);
     let direction = match z {
         _ if pull > 0.0 => z.map(|z| z / pull),
         _ => [1.0, 0.0],
     };
+    let along = |x: &[f64]| dot(&x[..c], &direction[..c]);
+    let Friction { slips, rate, law } = project_tangential(
+        problem,
+        node,
+        rho[0],
+        pull,
+        normal.force,
+        (along(v), along(f)),
+    );
     // a node that is at rest for being slow pulls a little more than its bound
     let held = if pull > law.bound {
         law.bound / pull

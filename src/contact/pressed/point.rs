@@ -84,7 +84,7 @@ impl Point {
 const PLAIN_SQUARES: std::ops::Range<f64> = 1e-280..1e300;
 
 /// Length of the imbalance, N; NaN where it is not a number.
-fn length(imbalance: &[f64]) -> f64 {
+pub fn length(imbalance: &[f64]) -> f64 {
     let squares = dot(imbalance, imbalance);
     if PLAIN_SQUARES.contains(&squares) || squares.is_nan() {
         return squares.sqrt();

@@ -5,6 +5,9 @@ use crate::linalg::column;
 use faer::MatRef;
 use std::ops::Range;
 
+/// A bound that falls with the slip rate by less than this share of what the body rises is gentle.
+const GENTLE: f64 = 0.25;
+
 /// What a friction bound is at a node, at a slip rate r and a normal force p.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PressedBound {
@@ -161,9 +164,17 @@ impl PressedProblem<'_> {
         self.bounds.evaluate(node, rate, force, slip)
     }
 
-    /// Whether the bound of any node falls with its slip rate under these forces.
+    /// Whether the bound of any node falls with its slip rate, under these forces, so fast that the body alone does not make up
+    /// for it.
     pub fn can_weaken(&self, forces: &[f64]) -> bool {
-        (0..self.nodes()).any(|node| self.weakening(node, forces[self.normal(node)]) > 0.0)
+        (0..self.nodes()).any(|node| {
+            let weakening = self.weakening(node, forces[self.normal(node)]);
+            let yielding = &self.yielding[self.tangential(node)];
+            // not a number is too fast
+            !yielding
+                .iter()
+                .all(|yielding| weakening * yielding <= GENTLE)
+        })
     }
 
     /// Largest rate at which the bound of a node falls with its slip rate under this force.

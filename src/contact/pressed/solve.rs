@@ -1,11 +1,12 @@
 //! The whole solver: Newton's method, and what leads it back where it stalls.
 //!
 //! 1. Newton's method from the warm start (see `newton`).
-//! 2. Sweeps over the nodes, then Newton's method; from here on it is patient: the imbalance may rise for a few steps.
-//! 3. Convex problems with frozen bounds, the bounds taken over at once, by half or by a fifth, then Newton's method.
-//! 4. Friction raised in steps from none, then Newton's method.
+//! 2. Where a body resists some motions far more than others: the same with steeper slopes, then frozen bounds (4).
+//! 3. Sweeps over the nodes, then Newton's method; from here on it is patient: the imbalance may rise for a few steps.
+//! 4. Convex problems with frozen bounds, the bounds taken over at once, by half or by a fifth, then Newton's method.
+//! 5. Friction raised in steps from none, then Newton's method.
 //!
-//! Between them stand starts that do not know the last solution: where the solution jumps, being near to the last one is no help.
+//! After the first of these the imbalance is measured by its energy (see `energy`). Between them stand starts that do not know the last solution: where the solution jumps, being near to the last one is no help.
 //!
 //! No energy decreases along the way: Coulomb friction is not the derivative of one. So whatever led there, a point is accepted by
 //! its residual alone.
@@ -29,6 +30,8 @@ const SETTLED: [f64; 2] = [1e-3, 3e-5];
 /// A way to a point from which Newton's method may find a solution.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Stage {
+    /// The warm start again, with slopes so many times as steep.
+    Steeper(f64),
     Sweeps,
     /// A start that does not know the last solution: zeros, and further ones some velocities without a pattern.
     Anew(u32),
@@ -55,6 +58,33 @@ const STAGES: &[Stage] = &[
     Stage::Sweeps,
     Stage::Frozen(0.5),
 ];
+/// The same for a body that resists some motions far more than others: a sweep, which moves one node at a time, hardly moves it.
+const STAGES_ONE_SIDED: &[Stage] = &[
+    Stage::Steeper(30.0),
+    Stage::Frozen(1.0),
+    Stage::Sweeps,
+    Stage::Anew(0),
+    Stage::Sweeps,
+    Stage::Frozen(0.5),
+    Stage::Frozen(0.2),
+    Stage::Raised,
+    Stage::Anew(1),
+    Stage::Sweeps,
+    Stage::Anew(2),
+    Stage::Sweeps,
+    Stage::Anew(3),
+    Stage::Sweeps,
+    Stage::Frozen(0.5),
+];
+/// A body is one-sided where a component alone resists so many times as much as with the others free.
+const ONE_SIDED: f64 = 100.0;
+
+fn is_one_sided(problem: &PressedProblem) -> bool {
+    let components = problem.yielding.iter().enumerate();
+    components
+        .map(|(i, yielding)| problem.s[(i, i)] * yielding)
+        .any(|ratio| ratio > ONE_SIDED)
+}
 
 /// A problem that is being solved.
 struct Task<'a, 'p, 'l> {
@@ -62,6 +92,8 @@ struct Task<'a, 'p, 'l> {
     tolerance: f64,
     budget: Budget,
     at: &'a mut PressedPoint<'l>,
+    /// Velocities and forces of the warm start.
+    start: [&'a [f64]; 2],
 }
 
 /// What a solve reached.
@@ -94,7 +126,7 @@ impl PressedWorkspace {
 
     /// Forgets what was factored: the problems to come have another S. Nothing else that it holds outlives a solve.
     pub fn forget(&mut self) {
-        self.chain.newton.cache.forget();
+        self.chain.newton.forget();
     }
 
     /// Work done so far.
@@ -112,6 +144,7 @@ impl PressedWorkspace {
 impl Chain {
     fn run(&mut self, task: &mut Task) -> Outcome {
         self.newton.is_patient = false;
+        self.newton.set_energetic(task.problem, false);
         let (problem, tolerance) = (task.problem, task.tolerance);
         let Task { budget, at, .. } = task;
         let first = self.newton.descend(problem, tolerance, STEPS, budget, at);
@@ -120,9 +153,15 @@ impl Chain {
             std::mem::swap(&mut self.best, &mut self.newton.accepted);
             return first;
         }
+        self.newton.set_energetic(problem, true);
+        self.newton.measure();
         self.best.copy_from(&self.newton.accepted);
         self.newton.is_patient = true;
-        for stage in STAGES {
+        let stages = match is_one_sided(problem) {
+            true => STAGES_ONE_SIDED,
+            false => STAGES,
+        };
+        for stage in stages {
             let outcome = self.run_stage(*stage, task);
             if outcome != Outcome::Stalled {
                 return outcome;
@@ -133,6 +172,15 @@ impl Chain {
 
     fn run_stage(&mut self, stage: Stage, task: &mut Task) -> Outcome {
         match stage {
+            Stage::Steeper(times) => {
+                let [velocity, force] = task.start;
+                self.newton
+                    .start_steeper(task.problem, velocity, force, times);
+                self.newton.is_patient = false;
+                let outcome = self.descend(task);
+                self.newton.is_patient = true;
+                outcome
+            }
             Stage::Sweeps => self.sweep_and_descend(task),
             Stage::Frozen(relaxation) => {
                 for settled in SETTLED {
@@ -210,8 +258,10 @@ pub fn solve(
             left: max_iterations,
         },
         at,
+        start: [velocity, force],
     };
     let outcome = chain.run(&mut task);
+    let left = task.budget.left;
     let (residual, node) = match outcome {
         Outcome::Converged(residual) => (residual, 0),
         _ => worst_node(problem, &chain.best),
@@ -223,7 +273,7 @@ pub fn solve(
     chain.best.reaction(problem, reaction);
     let converged = outcome.is_solution();
     PressedSolution {
-        iterations: max_iterations - task.budget.left,
+        iterations: max_iterations - left,
         residual: match outcome {
             Outcome::AtRounding(left) => left,
             _ => residual,

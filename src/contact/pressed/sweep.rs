@@ -4,7 +4,7 @@ use super::node::{project_normal, project_tangential};
 use super::point::Point;
 use super::problem::PressedProblem;
 use crate::contact::problem::norm;
-use crate::linalg::add_scaled;
+use crate::linalg::{add_scaled, dot};
 
 /// Turns between the normal and the tangential balance of a node.
 const TURNS: usize = 4;
@@ -39,12 +39,14 @@ pub(super) fn sweep(problem: &PressedProblem, point: &mut Point, forces: &mut [f
             for k in 0..c {
                 z[k] = resistance[0] * v[k] - local[k];
             }
-            let (pull, guess) = (norm(&z[..c]), norm(&v[..c]));
+            let pull = norm(&z[..c]);
+            let directions = z.map(|z| if pull > 0.0 { z / pull } else { 0.0 });
+            let along = |x: &[f64; 3]| dot(&x[..c], &directions[..c]);
+            let own = (along(&v), 0.0 - along(&local));
             let friction =
-                project_tangential(problem, node, resistance[0], pull, normal.force, guess);
+                project_tangential(problem, node, resistance[0], pull, normal.force, own);
             let rate = friction.rate;
-            for k in 0..c {
-                let direction = if pull > 0.0 { z[k] / pull } else { 0.0 };
+            for (k, direction) in directions[..c].iter().enumerate() {
                 let new = rate * direction;
                 moved(&mut local, k, new - v[k]);
                 v[k] = new;
