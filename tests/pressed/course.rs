@@ -167,7 +167,7 @@ fn constant_friction_takes_few_iterations() {
     let plane: &[&[usize]] = &[&[8, 4], &[16, 8], &[32, 16], &[64, 32]];
     for (cells, limits) in plane
         .iter()
-        .map(|cells| (*cells, [2.8, 7.0, 0.55]))
+        .map(|cells| (*cells, [2.8, 8.0, 0.55]))
         .chain([(&[4, 4, 2][..], [8.0, 11.0, 1.5])])
     {
         for mu in [0.3, 1.0] {
