@@ -56,6 +56,11 @@ errors! {
         "friction did not converge at time {}: residual {residual:.3e} at contact node {node} after \
                  {iterations} iterations, tolerance {tolerance:.1e}",
                 number(*time);
+    /// Contact alone holds the body along its normals, and is closed at fewer nodes than it takes.
+    NotHeld { time: f64, closed: usize, needed: usize, normal: [f64; 3], node: usize } => NotConverged,
+        "nothing holds the body at time {}: contact is closed at {closed} nodes of at least {needed}, and the body can move as a \
+                 whole along {normal:?} at contact node {node}",
+                number(*time);
     /// The laws of the body, which are not linear, did not converge in a stage.
     BodyNotConverged { time: f64, residual: f64, tolerance: f64, iterations: usize } => NotConverged,
         "the nonlinear laws of the body did not converge at time {}: residual {residual:.3e} after {iterations} iterations, \

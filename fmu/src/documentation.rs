@@ -110,6 +110,10 @@ fn legend(model: &Model) -> String {
         let words = format!("clamped: {}", scene.clamped.join(", "));
         entry(picture::CLAMPED, &words);
     }
+    if !scene.rollers.is_empty() {
+        let words = format!("on rollers: {}", scene.rollers.join(", "));
+        entry(picture::CLAMPED, &words);
+    }
     if !scene.driven.is_empty() {
         let parts: Vec<&str> = scene.driven.iter().map(|d| d.part.as_str()).collect();
         let words = format!(

@@ -95,6 +95,11 @@ impl Details {
                 number(excess * tolerance),
                 number(*tolerance),
             ),
+            Error::NotHeld { closed, needed, .. } => Details {
+                found: Some(Found::Count(*closed as u64)),
+                allowed: Some(Found::Count(*needed as u64)),
+                path: None,
+            },
             Error::Body { .. }
             | Error::NotPositiveDefinite { .. }
             | Error::Bytes { .. }

@@ -24,17 +24,20 @@ pub(crate) mod reduction;
 
 use crate::bytes::Writer;
 use crate::error::Result;
+use crate::fem::Pin;
 use crate::linalg::DenseCholesky;
 use dyn_stack::MemBuffer;
-use faer::Mat;
+use faer::{Mat, MatRef};
 use nonlinear::Nonlinear;
 
 /// Everything that depends on the implicit weight of a stage alone, and, where laws are not linear, on the point of their tangents.
 pub struct Stage {
     /// Implicit weight, s; `None` before the first factorization.
     pub theta_k: Option<f64>,
-    /// Condensed contact operator S, N s/m.
+    /// Condensed contact operator S, N s/m, with the pins of the contact.
     pub s: Mat<f64>,
+    /// S without them; empty where there are none.
+    unpinned: Mat<f64>,
     /// Factor of `M`, in a layout that the body model alone knows.
     pub factor: Vec<f64>,
     /// Diagonal of `S^-1`, m/(N s), where it is asked for.
@@ -151,6 +154,7 @@ impl Stage {
         Stage {
             theta_k: None,
             s: Mat::zeros(model.contact_len(), model.contact_len()),
+            unpinned: Mat::new(),
             factor: vec![0.0; model.factor_len()],
             yielding: vec![0.0; if has_yielding { model.contact_len() } else { 0 }],
             tangent: vec![0.0; model.tangent_len()],
@@ -161,6 +165,25 @@ impl Stage {
 }
 
 impl Stage {
+    /// The contact operator of the body itself, N s/m.
+    pub fn of_contact(&self) -> MatRef<'_, f64> {
+        match self.unpinned.nrows() {
+            0 => self.s.as_ref(),
+            _ => self.unpinned.as_ref(),
+        }
+    }
+
+    /// Makes S without the pins.
+    fn remove_pins(&mut self, pins: &[Pin]) {
+        if pins.is_empty() {
+            return;
+        }
+        self.unpinned.copy_from(&self.s);
+        for pin in pins {
+            self.unpinned[(pin.component, pin.component)] -= pin.resistance;
+        }
+    }
+
     /// The implicit weight that it is being made for or has, s.
     fn implicit(&self) -> f64 {
         self.theta_k.unwrap_or_default()
@@ -195,6 +218,7 @@ impl Stage {
 pub struct StageCache {
     stages: Vec<Stage>,
     last_use: Vec<u64>,
+    pins: Vec<Pin>,
     clock: u64,
     current: usize,
     /// Factorizations made so far.
@@ -202,12 +226,23 @@ pub struct StageCache {
 }
 
 impl StageCache {
-    /// Room for the stages of `sizes` step sizes, with the diagonal of the contact compliance or without.
-    pub fn new(model: &dyn BodyModel, sizes: usize, has_yielding: bool) -> StageCache {
+    /// Room for the stages of `sizes` step sizes, with the diagonal of the contact compliance or without, of a body with these pins.
+    pub fn new(
+        model: &dyn BodyModel,
+        sizes: usize,
+        has_yielding: bool,
+        pins: &[Pin],
+    ) -> StageCache {
+        let stage = || {
+            let mut stage = Stage::new(model, has_yielding);
+            if !pins.is_empty() {
+                stage.unpinned = stage.s.clone();
+            }
+            stage
+        };
         StageCache {
-            stages: (0..sizes)
-                .map(|_| Stage::new(model, has_yielding))
-                .collect(),
+            stages: (0..sizes).map(|_| stage()).collect(),
+            pins: pins.to_vec(),
             last_use: vec![0; sizes],
             clock: 0,
             current: 0,
@@ -273,6 +308,7 @@ impl StageCache {
                 }
                 model.factor(theta_k, stage, scratch)?;
                 stage.find_yielding(scratch)?;
+                stage.remove_pins(&self.pins);
                 stage.theta_k = Some(theta_k);
                 oldest
             }

@@ -1,8 +1,7 @@
 //! The assembled body: `A u' + B u + E Lambda = sum of p_j(t) * column_j` on the free components.
 //!
-//! Nothing here checks that the body is held. Contact holds the normal components, friction the tangential ones only up to
-//! its bound; a body that can still slide or turn rigidly gives a singular A, which its Cholesky factorization finds as a
-//! pivot that is not positive.
+//! Contact holds the normal components, friction the tangential ones only up to its bound: a body that can still slide or turn
+//! rigidly is refused. One that contact alone holds along the normal, where that is an unknown, has pins in A (see `rigid`).
 
 use super::cell::Cell;
 use super::contact::{ContactPart, ContactPatch};
@@ -15,10 +14,12 @@ use super::loads::{LoadColumn, ProbeRows, load_columns, probe_rows};
 use super::memory::{branch_operators, refuse_strained_memory};
 use super::operators::OperatorPair;
 use super::pieces::refuse_loose_pieces;
+use super::rigid::{Pin, pins};
 use super::strain::StrainNorm;
 use crate::error::{Error, Result};
 use crate::material::Form;
 use crate::mesh::Mesh;
+use crate::refusal::scene_error;
 use crate::scene::Scene;
 
 /// The discrete body of a scene.
@@ -28,7 +29,7 @@ pub struct Body {
     pub mesh: Mesh,
     /// Numbers of the free components.
     pub dofs: DofMap,
-    /// Viscosity matrix A and elasticity matrix B.
+    /// Viscosity matrix A, with the pins of the contact, and elasticity matrix B.
     pub operators: OperatorPair,
     /// Contact nodes.
     pub contact: ContactPatch,
@@ -88,6 +89,12 @@ impl Body {
         let forms = Forms::new(scene, &mesh)?;
         let dofs = DofMap::new(scene, &mesh)?;
         refuse_loose_pieces(&mesh, &dofs)?;
+        let pinned = pins(scene, &mesh, &dofs)?;
+        if !pinned.is_empty() && scene.is_nonlinear() {
+            let found = "parts that leave it to contact to hold the body along the normal";
+            let allowed = "parts that hold the body: its laws are not linear";
+            return Err(scene_error("clamped", found.to_owned(), allowed.to_owned()));
+        }
         let mut operators = OperatorPair::from_elements(&mesh, &dofs, &forms);
         let (loads, load_rows) = load_columns(scene, &mesh, &dofs)?;
         let (probes, nodal_rows) = probe_rows(scene, &mesh, &dofs)?;
@@ -96,13 +103,17 @@ impl Body {
             &mesh,
             &dofs,
             &forms,
-            &operators,
+            (&operators, &pinned),
             &interior_places(&mesh, &dofs),
             (&load_rows, &nodal_rows),
         )?;
+        let pins = pin(&mut operators, dofs.contact_start(), &pinned);
         refuse_strained_memory(scene, &drives, &forms)?;
         operators.memory = branch_operators(&mesh, &dofs, &forms);
-        let contact = contact_patch(scene, &mesh, &dofs)?;
+        let contact = ContactPatch {
+            pins,
+            ..contact_patch(scene, &mesh, &dofs)?
+        };
         Ok(Body {
             initial: initial_displacement(scene, (&mesh, &dofs), &operators, &contact)?,
             foundation: foundation::motions(scene, &contact)?,
@@ -180,6 +191,21 @@ impl Body {
     }
 }
 
+/// Puts pins at these contact components, each as stiff as the viscosity of the body there (its elasticity, where it has none).
+fn pin(operators: &mut OperatorPair, contact_start: usize, components: &[usize]) -> Vec<Pin> {
+    let pin = |&component: &usize| {
+        let at = operators.col_ptr[contact_start + component];
+        let (a, b) = (operators.a[at], operators.b[at]);
+        let resistance = if a > 0.0 { a } else { b };
+        operators.a[at] += resistance;
+        Pin {
+            component,
+            resistance,
+        }
+    };
+    components.iter().map(pin).collect()
+}
+
 /// Coordinates of the node of every component that is not a contact one.
 fn interior_places(mesh: &Mesh, dofs: &DofMap) -> Vec<[f64; 3]> {
     let mut places = vec![[0.0; 3]; dofs.contact_start()];
@@ -230,6 +256,7 @@ fn contact_patch(scene: &Scene, mesh: &Mesh, dofs: &DofMap) -> Result<ContactPat
         faces,
         parts,
         nodes,
+        pins: Vec::new(),
     };
     patch.gaps = foundation::initial_gaps(scene, mesh, &patch)?;
     Ok(patch)

@@ -1,5 +1,6 @@
 //! The contact nodes of a body.
 
+use super::rigid::Pin;
 use std::ops::Range;
 
 /// One contact of a scene among the contact nodes of a body.
@@ -37,6 +38,8 @@ pub struct ContactPatch {
     pub faces: usize,
     /// The contacts of the scene, in its order: their nodes follow each other.
     pub parts: Vec<ContactPart>,
+    /// What A has beyond the body's own where nothing but contact holds that along the normal; none for a body that is held.
+    pub pins: Vec<Pin>,
 }
 
 impl ContactPatch {
@@ -77,6 +80,8 @@ impl ContactPatch {
             components: self.components,
             has_normal: self.has_normal,
             faces: self.faces,
+            // they are of the whole body
+            pins: Vec::new(),
             parts: vec![ContactPart {
                 nodes: 0..own.len(),
                 ..self.parts[part].clone()

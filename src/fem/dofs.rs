@@ -3,6 +3,8 @@
 //! * Clamped nodes have none, nor have those of a part that is driven as a whole; such a node on the contact part is not a contact
 //!   node.
 //! * Nodes of a part that is driven along some directions have components along the others.
+//! * Nodes of a part on rollers have components along it; where such a node is a contact node, the tangent that the rollers hold
+//!   has no length, and nothing moves along it.
 //! * A contact node keeps its tangential components, in the frame `(t1, t2, n)` (3D) or `(t1, n)` (2D) of its part (`surface`):
 //!   bilateral contact sets the normal one to zero. So it does at the nodes of the part that have no friction.
 //! * Where the scene needs the normal motion ([`Scene::is_pressed`]) a contact node keeps a component along -n too, from the
@@ -14,12 +16,13 @@
 //! Cholesky factor is then the operator condensed onto the contact.
 
 use super::held::{Held, held_nodes};
+use super::rollers::rollers;
 use super::surface::ContactSurface;
 use crate::error::Result;
 use crate::mesh::Mesh;
 use crate::message::cut;
 use crate::refusal::scene_error;
-use crate::scene::{PlacedContact, Scene};
+use crate::scene::{Foundation, PlacedContact, Scene};
 use std::ops::Range;
 
 /// Mark of a node without numbers or without a frame.
@@ -104,6 +107,29 @@ impl DofMap {
             ranges.push(first..framed.len());
         }
         let is_partly_free = |node: u32| partly_free.iter().any(|partly| partly.0 == node);
+        let mut rolling = Vec::new();
+        for roller in rollers(scene, mesh, &is_held)? {
+            if is_partly_free(roller.node) {
+                let at = &mesh.nodes[roller.node as usize][..mesh.dimension];
+                let found = format!(
+                    "{:?}, which shares the node at {at:?} with a driven part",
+                    cut(&scene.rollers[roller.part])
+                );
+                let allowed = "parts without a node of a driven part".to_owned();
+                let path = format!("rollers[{}]", roller.part);
+                return Err(scene_error(&path, found, allowed));
+            }
+            if let Some((_, frame)) = framed.iter_mut().find(|(node, _)| *node == roller.node) {
+                refuse_sliding(scene, mesh, (roller.node, roller.part))?;
+                roller.hold(scene, mesh, frame)?;
+                continue;
+            }
+            let (free, frame) = roller.free(mesh.dimension);
+            match free {
+                0 => is_held[roller.node as usize] = true,
+                _ => rolling.push((roller.node, free, frame)),
+            }
+        }
         let mut of_contact = framed.iter().chain(&guided);
         if let Some((node, _)) = of_contact.find(|(node, _)| is_partly_free(*node)) {
             let at = mesh.nodes[*node as usize];
@@ -120,6 +146,17 @@ impl DofMap {
             }
             guided.clear();
         }
+        if let Some((node, ..)) =
+            (rolling.iter()).find(|(rolling, ..)| guided.iter().any(|(node, _)| node == rolling))
+        {
+            let found = format!(
+                "a part with the vertex at {:?} of quadratic cells in contact",
+                mesh.nodes[*node as usize]
+            );
+            let allowed = "parts without nodes of a contact of quadratic cells".to_owned();
+            return Err(scene_error("rollers", found, allowed));
+        }
+        partly_free.extend(rolling);
         guided.sort_by_key(|(node, _)| *node);
         let along = guided.iter().map(|(node, frame)| (*node, normal, *frame));
         partly_free.extend(along);
@@ -294,6 +331,32 @@ impl DofMap {
         }
         sum
     }
+}
+
+/// A contact node that rollers hold cannot slide on a foundation that moves.
+fn refuse_sliding(scene: &Scene, mesh: &Mesh, (node, part): (u32, usize)) -> Result<()> {
+    for contact in scene.contacts() {
+        let moves = contact.foundation.iter();
+        let is_sliding = moves
+            .clone()
+            .any(|m| !matches!(m, Foundation::Approach { .. }));
+        let path = format!("{}.part", contact.path);
+        let mut nodes = mesh.faces(&contact.part, &path)?.flatten();
+        if is_sliding && nodes.any(|own| mesh.leader[*own as usize] == node) {
+            let found = format!(
+                "{:?}, which shares the contact node at {:?} with a foundation that slides",
+                cut(&scene.rollers[part]),
+                &mesh.nodes[node as usize][..mesh.dimension]
+            );
+            let allowed = "parts that end short of a contact whose foundation slides or turns: the friction there would act on the rollers";
+            return Err(scene_error(
+                &format!("rollers[{part}]"),
+                found,
+                allowed.to_owned(),
+            ));
+        }
+    }
+    Ok(())
 }
 
 /// A node on two contact parts would have two normals.

@@ -59,7 +59,7 @@ impl Drives {
         mesh: &Mesh,
         dofs: &DofMap,
         forms: &Forms,
-        operators: &OperatorPair,
+        (operators, pins): (&OperatorPair, &[usize]),
         places: &[[f64; 3]],
         (loads, probes): (&NodalRows, &NodalRows),
     ) -> Result<Drives> {
@@ -71,7 +71,12 @@ impl Drives {
         let cholesky = SparseCholesky::new(&operators.col_ptr, &operators.row_idx, places)?;
         let (mut factor, mut memory) = (vec![0.0; cholesky.len()], cholesky.scratch(1));
         let what = "the elasticity with the contact free (is the body clamped or driven so that it is held?)";
-        cholesky.factor(what, &operators.b, &mut factor, &mut memory)?;
+        // of the shapes that differ by a motion that contact holds, the one that vanishes at the pins
+        let mut elasticity = operators.b.clone();
+        for pin in pins {
+            elasticity[operators.col_ptr[dofs.contact_start() + pin]] *= 2.0;
+        }
+        cholesky.factor(what, &elasticity, &mut factor, &mut memory)?;
         // whole fields [L; I], and A and B times them
         let mut whole: Vec<Vec<Vector3<f64>>> = Vec::new();
         let mut images: Vec<[Vec<Vector3<f64>>; 2]> = Vec::new();

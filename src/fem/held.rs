@@ -118,7 +118,7 @@ pub(super) fn held_nodes(
 }
 
 /// Orthonormal directions, those at right angles to the given orthonormal ones first; and how many these are.
-fn complement(held: &[Vector3<f64>], dimension: usize) -> (usize, [[f64; 3]; 3]) {
+pub(super) fn complement(held: &[Vector3<f64>], dimension: usize) -> (usize, [[f64; 3]; 3]) {
     let mut basis: Vec<Vector3<f64>> = held.to_vec();
     for axis in [Vector3::x(), Vector3::y(), Vector3::z()]
         .iter()

@@ -20,6 +20,8 @@ mod loads;
 mod memory;
 mod operators;
 mod pieces;
+mod rigid;
+mod rollers;
 #[cfg(test)]
 mod solids;
 mod strain;
@@ -34,4 +36,5 @@ pub use forms::Forms;
 pub use initial::InitialDisplacement;
 pub use loads::{LoadColumn, ProbeRows};
 pub use operators::{BranchOperator, OperatorPair};
+pub use rigid::Pin;
 pub use strain::StrainNorm;

@@ -103,7 +103,31 @@ impl OperatorPair {
             couplings.sort_unstable_by_key(|coupling| coupling.first);
             pair.push_columns(dofs, columns.start, columns.len(), &couplings);
         }
+        pair.fill_held(dofs);
         pair
+    }
+
+    /// Contact components along which rollers hold their node have no entries: they take those of another component of the node, or of
+    /// the body where it has none.
+    fn fill_held(&mut self, dofs: &DofMap) {
+        let is_held = |axis: &[f64; 3]| *axis == [0.0; 3];
+        let parts = |node: u32| dofs.range(node).zip(dofs.frame(node));
+        let free = |node: u32| parts(node).find(|(_, axis)| !is_held(axis));
+        for &node in dofs.contact_nodes() {
+            for (dof, _) in parts(node).filter(|(_, axis)| is_held(axis)) {
+                let others = || dofs.contact_nodes().iter().find_map(|other| free(*other));
+                let other = match (free(node), dofs.contact_start()) {
+                    (Some((own, _)), _) => Some(own),
+                    (None, 0) => others().map(|(dof, _)| dof),
+                    (None, _) => Some(0),
+                };
+                if let Some(other) = other {
+                    let (at, from) = (self.col_ptr[dof], self.col_ptr[other]);
+                    self.a[at] = self.a[from];
+                    self.b[at] = self.b[from];
+                }
+            }
+        }
     }
 
     fn push_columns(&mut self, dofs: &DofMap, first: usize, count: usize, couplings: &[Coupling]) {

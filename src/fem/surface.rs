@@ -24,7 +24,7 @@ use std::collections::BTreeMap;
 const PARALLEL: f64 = 1e-3;
 
 /// Cosine of the angle by which the faces at a node may differ: 30 degrees.
-const LARGEST_BEND: f64 = 0.866;
+pub(super) const LARGEST_BEND: f64 = 0.866;
 
 /// Free directions of a contact node first, then the normal; unused ones are zero.
 pub(super) type Frame = [[f64; 3]; 3];

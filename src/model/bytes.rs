@@ -18,7 +18,7 @@ use crate::body::full::Full;
 use crate::body::reduced::Reduced;
 use crate::bytes::{Frame, LARGEST, Reader, Writer};
 use crate::error::{Error, Result};
-use crate::fem::{ContactPart, ContactPatch};
+use crate::fem::{ContactPart, ContactPatch, Pin};
 use crate::files::MemoryFiles;
 use crate::scene::{ModelKind, Scene};
 use std::sync::Arc;
@@ -27,7 +27,7 @@ use xxhash_rust::xxh3::xxh3_64;
 const FRAME: Frame = Frame {
     magic: *b"SLIPMODL",
     // also to be raised when states or steps of models with equal bytes are no longer interchangeable
-    format: 6,
+    format: 7,
     what: "compiled model",
 };
 
@@ -334,11 +334,40 @@ fn write_contact(contact: &ContactPatch, out: &mut Writer) {
     out.floats(contact.normals.as_flattened());
     out.floats(&contact.gaps);
     out.word(contact.faces as u64);
+    let places: Vec<usize> = contact.pins.iter().map(|pin| pin.component).collect();
+    let resistances: Vec<f64> = contact.pins.iter().map(|pin| pin.resistance).collect();
+    out.indices(&places);
+    out.floats(&resistances);
     // the only contact has all nodes
     if contact.parts.len() > 1 {
         let ends: Vec<usize> = contact.parts.iter().map(|part| part.nodes.end).collect();
         out.indices(&ends);
     }
+}
+
+/// Normal components, ascending, no more than a body has motions as a whole.
+fn read_pins(
+    from: &mut Reader,
+    scene: &Scene,
+    (nodes, components): (usize, usize),
+) -> Result<Vec<Pin>> {
+    let stride = components + 1;
+    let (places, resistances) = (from.indices(nodes.saturating_mul(stride))?, from.finite()?);
+    let is_possible = places.len() == resistances.len()
+        && (places.is_empty() || scene.is_pressed())
+        && places.windows(2).all(|pair| pair[0] < pair[1])
+        && places.iter().all(|place| place % stride == components)
+        && resistances.iter().all(|resistance| *resistance > 0.0);
+    if !is_possible {
+        return Err(Reader::refusal("compiled model: pins of the contact"));
+    }
+    let pins = places.into_iter().zip(resistances);
+    Ok(pins
+        .map(|(component, resistance)| Pin {
+            component,
+            resistance,
+        })
+        .collect())
 }
 
 fn read_contact(from: &mut Reader, scene: &Scene, components: usize) -> Result<ContactPatch> {
@@ -348,6 +377,7 @@ fn read_contact(from: &mut Reader, scene: &Scene, components: usize) -> Result<C
     let can_open = scene.can_open();
     let faces = from.size()?;
     let count = nodes.len();
+    let pins = read_pins(from, scene, (count, components))?;
     let is_consistent = points.len() == 3 * count
         && weights.len() == count
         && tangents.len() == 6 * count
@@ -394,5 +424,6 @@ fn read_contact(from: &mut Reader, scene: &Scene, components: usize) -> Result<C
         normals: normals.chunks_exact(3).map(vector).collect(),
         gaps,
         faces,
+        pins,
     })
 }

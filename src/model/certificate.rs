@@ -78,6 +78,15 @@ impl CoulombConstants {
 }
 
 impl Certificate {
+    /// The same where nothing is proved of laws that weaken or follow the pressure.
+    pub(super) fn without_proof(mut self) -> Certificate {
+        self.sharp_step = Constants::UNBOUNDED.sharp;
+        if let Some(coulomb) = &mut self.coulomb {
+            coulomb.coupling = f64::MAX;
+        }
+        self
+    }
+
     /// Theorem 5.3 and (2.6): the continuous problem has one solution.
     pub fn is_theorem_satisfied(&self) -> bool {
         self.coulomb.is_none() && self.c0_squared * self.l_g < self.m_a
@@ -224,6 +233,14 @@ pub struct Constants {
     pub sharp: f64,
     /// c; 0 without normal components.
     pub coupling: f64,
+}
+
+impl Constants {
+    /// Those of a norm that does not see a motion of the body.
+    pub(super) const UNBOUNDED: Constants = Constants {
+        sharp: f64::MIN_POSITIVE,
+        coupling: 0.0,
+    };
 }
 
 /// Condensed contact operator of the operator with these entries.

@@ -2,7 +2,7 @@
 //! kept of the body, certify.
 
 use super::certificate::{
-    LawConstants, MaterialConstants, certify, constants_of, constants_of_compliance,
+    Constants, LawConstants, MaterialConstants, certify, constants_of, constants_of_compliance,
     factored_constants,
 };
 use super::free::{FreeMaterial, blend_of};
@@ -30,6 +30,7 @@ use crate::material::{RATIOS, Share};
 use crate::mesh::Mesh;
 use crate::model::Model;
 use crate::progress::{Phase, Watch};
+use crate::refusal::scene_error;
 use crate::scene::{ModelKind, Scene};
 use crate::state::State;
 use crate::time::scheme::Tableau;
@@ -278,7 +279,10 @@ fn finish(
         KeptModel::Free(free) => constants_of_compliance(&body.contact, &free.compliance(x, y)),
         KeptModel::Whole(_) => factored_constants(body, cholesky, (x, y)),
     };
+    let is_pinned = !body.contact.pins.is_empty();
     let of_strains = match (&kept.model, &body.strain) {
+        // no strain measures a motion of the body as a whole
+        _ if is_pinned => Constants::UNBOUNDED,
         (KeptModel::Free(free), _) => {
             constants_of_compliance(&body.contact, &free.strain_compliance())?
         }
@@ -286,7 +290,11 @@ fn finish(
         (_, StrainNorm::Assembled(values)) => constants_of(body, cholesky, values)?,
     };
     let of_material = MaterialConstants::of(&body.forms, body.mesh.dimension);
-    let certificate = certify(of_material, of_strains, law, theta_k, constants)?;
+    let mut certificate = certify(of_material, of_strains, law, theta_k, constants)?;
+    // the operator of the contact without its pins has no inverse where that can open
+    if is_pinned && !body.contact.gaps.is_empty() {
+        certificate = certificate.without_proof();
+    }
     let parts = Parts {
         kind: kept.kind,
         reduction: kept.reduction.clone(),
@@ -365,6 +373,9 @@ fn keep(
     sizes: &Sizes,
     watch: &mut Watch,
 ) -> Result<Kept> {
+    if !body.contact.pins.is_empty() {
+        return keep_pinned(scene, body);
+    }
     if scene.fidelity.free_material {
         return keep_free(scene, body, cholesky, sizes, watch);
     }
@@ -466,6 +477,39 @@ fn keep_free(
         fallback: None,
         lost_digits: ends.lost_digits,
         ends: Some(both),
+    })
+}
+
+/// What is kept of a body that contact alone holds: it has no static response, so nothing is reduced, and no digits are estimated.
+fn keep_pinned(scene: &Scene, body: &Body) -> Result<Kept> {
+    let why = "contact alone holds the body along its normal, and what is reduced is a body that is held";
+    if scene.fidelity.free_material {
+        let found = format!("true although {why}");
+        let allowed = "false; or clamped or driven parts that hold the body";
+        return Err(scene_error("fidelity.free_material", found, allowed.to_owned()));
+    }
+    let field = || Field::new(scene, body);
+    let (kind, model, fallback): (_, Arc<dyn BodyModel>, _) = match scene.fidelity.model {
+        ModelKind::Full => (ModelKind::Full, Arc::new(Full(field()?)), None),
+        ModelKind::Condensed => (ModelKind::Condensed, Arc::new(Condensed(field()?)), None),
+        ModelKind::Auto => {
+            let why = Some(why.to_owned());
+            (ModelKind::Condensed, Arc::new(Condensed(field()?)), why)
+        }
+        ModelKind::Reduced => {
+            let found = format!("\"reduced\" although {why}");
+            let allowed = "auto, condensed or full; or clamped or driven parts that hold the body";
+            return Err(scene_error("fidelity.model", found, allowed.to_owned()));
+        }
+    };
+    Ok(Kept {
+        kind,
+        model: KeptModel::Whole(model),
+        reduction: None,
+        synthesis: None,
+        ends: None,
+        fallback,
+        lost_digits: 0.0,
     })
 }
 

@@ -62,6 +62,10 @@ pub struct Scene {
     /// it the body could slide rigidly along the foundation, and without inertia nothing would determine its motion.
     #[serde(default)]
     pub clamped: Vec<String>,
+    /// Names of the parts that roll: no motion along their normals, none hindered along them (a plane of symmetry, a guide). Default:
+    /// none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub rollers: Vec<String>,
     /// Parts whose motion is given; each direction is an input of the component. Default: none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub driven: Vec<Driven>,

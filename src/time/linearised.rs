@@ -4,8 +4,10 @@ use super::contact;
 use super::memory::Span;
 use super::pressed::Level;
 use super::slip_memory;
+use super::velocity::Velocity;
 use super::workspace::Workspace;
 use crate::error::{Error, Result};
+use crate::fem::Pin;
 use crate::model::Model;
 use crate::state::{State, report};
 
@@ -44,6 +46,7 @@ pub(super) fn solve(
         });
     }
     if !solved.converged && !solved.is_truncated {
+        refuse_open(model, state.time, &ws.velocities[index])?;
         return Err(Error::NotConverged {
             time: state.time,
             residual: solved.residual,
@@ -69,6 +72,26 @@ pub(super) fn solve(
     entry[report::ENDING] = entry[report::ENDING].max(ending);
     correct(model, ws, theta_k, index);
     Ok(())
+}
+
+/// A body that contact alone holds, where that is open at too many nodes.
+fn refuse_open(model: &Model, time: f64, found: &Velocity) -> Result<()> {
+    let contact = model.contact();
+    let forces = &found.instant.normal_force;
+    let node = |pin: &Pin| pin.component / contact.stride();
+    let closed = forces.iter().filter(|force| **force != 0.0).count();
+    let needed = contact.pins.len();
+    let open = contact.pins.iter().map(node).find(|at| forces[*at] == 0.0);
+    match open.filter(|_| closed < needed) {
+        None => Ok(()),
+        Some(node) => Err(Error::NotHeld {
+            time,
+            closed,
+            needed,
+            normal: contact.normals[node],
+            node,
+        }),
+    }
 }
 
 /// The velocity of the whole body from the contact that was solved.

@@ -276,7 +276,7 @@ impl<'a> PressedStage<'a> {
     {
         let contact = self.model.contact();
         PressedProblem {
-            s: self.stage.s.as_ref(),
+            s: self.stage.of_contact(),
             r: self.load,
             yielding: &self.stage.yielding,
             components: contact.components,

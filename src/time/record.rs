@@ -126,6 +126,7 @@ pub(crate) fn add_energies(model: &Model, state: &mut State, ws: &mut Workspace,
             }
         }
     }
+    viscous -= power_of_pins(model, &mean.instant, &mean.instant);
     let motions = model.motions();
     // both begin with the loads
     let loads = &mean.load[..motions.loads()];
@@ -156,6 +157,16 @@ pub(crate) fn add_energies(model: &Model, state: &mut State, ws: &mut Workspace,
             .mean_normal_force
             .copy_from_slice(&mean.instant.normal_force);
     }
+}
+
+/// Power of two velocities in the pins of the contact, which are no part of the body.
+pub(crate) fn power_of_pins(model: &Model, x: &Instant, y: &Instant) -> f64 {
+    let contact = model.contact();
+    let pins = contact.pins.iter().map(|pin| {
+        let node = pin.component / contact.stride();
+        pin.resistance * x.normal_velocity[node] * y.normal_velocity[node]
+    });
+    pins.sum()
 }
 
 /// Power of what drives the driven parts and moves the foundations; `approach` are the velocities of the latter towards the body.

@@ -20,6 +20,8 @@ pub(crate) struct Relative {
     shift: Vec<f64>,
     /// S times it, then contact velocities of the body.
     shifted: Vec<f64>,
+    /// Contact forces less what pins take; empty where there are none.
+    pinned: Vec<f64>,
 }
 
 impl Relative {
@@ -43,6 +45,10 @@ impl Relative {
             initial: 0.0,
             shift: vec![0.0; contact],
             shifted: vec![0.0; contact],
+            pinned: match model.contact().pins.is_empty() {
+                true => Vec::new(),
+                false => vec![0.0; model.contact().force_len()],
+            },
         }
     }
 
@@ -109,8 +115,20 @@ impl Relative {
             ..
         } = &mut velocity.instant;
         let [relative, reaction] = solved.unwrap_or([slip_rate, reaction]);
+        let mut pinned = std::mem::take(&mut self.pinned);
         let contact = self.of_body(relative);
-        body.correct(stage, contact, reaction, of_body, scratch);
+        let own = match pinned.is_empty() {
+            true => reaction,
+            false => {
+                pinned.copy_from_slice(reaction);
+                for pin in &model.contact().pins {
+                    pinned[pin.component] -= pin.resistance * contact[pin.component];
+                }
+                &pinned[..]
+            }
+        };
+        body.correct(stage, contact, own, of_body, scratch);
+        self.pinned = pinned;
         body.outputs(of_body, seen);
         velocity.load.copy_from_slice(inputs);
         motions.approach(inputs).copy_to(approach);

@@ -229,7 +229,7 @@ impl Tangents {
                             magnitude: &mut velocity.magnitude,
                         },
                     );
-                    balance(stage.s.as_ref(), dr, &self.velocity, &mut self.reaction);
+                    balance(stage.of_contact(), dr, &self.velocity, &mut self.reaction);
                     let found = [&self.velocity[..], &self.force, &self.reaction];
                     scatter(model.contact().components, found, &mut velocity.instant);
                 }

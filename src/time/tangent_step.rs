@@ -2,7 +2,7 @@
 
 use super::companion::{Companion, StagePlace};
 use super::pressed::Level;
-use super::record::{explicit_part, integrate, power_of_motions};
+use super::record::{explicit_part, integrate, power_of_motions, power_of_pins};
 use super::tangent::Tangents;
 use super::workspace::Workspace;
 use super::{foundation, penetration};
@@ -142,6 +142,7 @@ impl Companion for Tangents {
             let displacement = &t.state.main.displacement;
             let (_, elastic) =
                 mixed_products(body, &state.main.displacement, displacement, &mut self.sum);
+            let viscous = viscous - power_of_pins(model, &mean.instant, &d.instant);
             let motions = model.motions();
             let loads = |inputs: &'_ [f64]| inputs[..motions.loads()].to_vec();
             let mut external = dot(&loads(&mean.load), &d.instant.output_velocity)

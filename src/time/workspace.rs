@@ -180,7 +180,12 @@ impl Workspace {
             false => (nodes, len),
         };
         Workspace {
-            stages: StageCache::new(model.body(), model.sizes_kept(), contact.has_normal),
+            stages: StageCache::new(
+                model.body(),
+                model.sizes_kept(),
+                contact.has_normal,
+                &contact.pins,
+            ),
             scratch: model.body().scratch(),
             newton: newton::Workspace::new(own_nodes, own_len),
             fixed_point: FixedPointWorkspace::new(own_nodes, own_len),

@@ -7,6 +7,9 @@
 use super::problem::PressedProblem;
 use crate::linalg::{DenseCholesky, dot};
 
+/// Share by which the diagonal of S is raised: a body that nothing but its contact holds has an S without inverse.
+const RELIEF: f64 = 1e-10;
+
 /// The factor of S for the problems of one key, made when it is first asked for; never changes a result.
 pub(super) struct Energy {
     factor: DenseCholesky,
@@ -41,6 +44,7 @@ impl Energy {
         }
         let is_made = self.factor.factor(problem.r.len(), |j, column| {
             column.copy_from_slice(&problem.column(j)[j..]);
+            column[0] *= 1.0 + RELIEF;
         });
         if is_made {
             self.factor.prepare_solves();

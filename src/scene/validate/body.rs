@@ -106,6 +106,22 @@ pub(super) fn check_clamped(scene: &Scene) -> Verdict {
         })?;
         refuse_contact(scene, part, &path, "parts that are not in contact")?;
     }
+    for (i, part) in scene.rollers.iter().enumerate() {
+        let path = format!("rollers[{i}]");
+        check_part(&scene.mesh, part, &path)?;
+        let is_driven = scene.driven.iter().any(|driven| driven.part == *part);
+        for (is_taken, what) in [
+            (scene.rollers[..i].contains(part), "a second time"),
+            (scene.clamped.contains(part), "which is clamped"),
+            (is_driven, "which is driven"),
+        ] {
+            ensure(!is_taken, || {
+                let allowed = "parts that are neither clamped nor driven, each once";
+                Refusal::new(&path, format!("{:?} {what}", cut(part)), allowed)
+            })?;
+        }
+        refuse_contact(scene, part, &path, "parts that are not in contact")?;
+    }
     Ok(())
 }
 

@@ -84,9 +84,9 @@ pub(super) fn check_foundation(scene: &Scene, dimension: Option<usize>) -> Verdi
 
 pub(super) fn check_driven(scene: &Scene, dimension: Option<usize>) -> Verdict {
     ensure(
-        !scene.clamped.is_empty() || !scene.driven.is_empty(),
+        !(scene.clamped.is_empty() && scene.driven.is_empty() && scene.rollers.is_empty()),
         || {
-            let allowed = "an array of at least 1 part; or driven parts";
+            let allowed = "an array of at least 1 part; or driven parts, or rollers";
             Refusal::new("clamped", json(&scene.clamped), allowed)
         },
     )?;
