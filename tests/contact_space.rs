@@ -161,3 +161,84 @@ fn held_load_stays_at_rest() {
     // two stages a step
     assert!(most <= 4.0, "{most} iterations in a step at rest");
 }
+
+/// A slice of a long body, periodic along its axis, is the plane body under plane strain: pressure, slip, stress and the force of the
+/// belt node by node, through closing, sticking, slipping and opening.
+#[test]
+fn plane_strain_is_a_slice_of_space() {
+    let of = |mesh: Value, convention: &str, model: &str| {
+        json!({"schema_version": 1, "name": "slice", "mesh": mesh,
+            "material": {"viscosity": {"law": "isotropic", "mu1": 0.05, "mu2": 0.1},
+                         "elasticity": {"law": "isotropic", "young": 1.0, "poisson": 0.3, "convention": convention}},
+            "clamped": ["top"],
+            "contact": {"part": "bottom", "condition": {"kind": "unilateral", "gap": 0.001},
+                        "friction": {"law": "coulomb", "coefficient": {"kind": "exponential", "static": 0.4, "kinetic": 0.3, "decay": 2.0}},
+                        "foundation": [{"kind": "approach", "name": "rise"}, {"kind": "sliding", "name": "belt", "direction": direction(convention)}]},
+            "time": {"step": 0.02},
+            "fidelity": {"model": model, "tolerance": 1e-9, "friction_tolerance": 1e-12},
+            "run": {"until": 0.8, "signals": {"rise": [[0, 0], [0.3, 0.05], [0.5, 0.05], [0.8, 0.0]],
+                                              "belt": [[0, 0], [0.1, 0.2], [0.5, -0.2], [0.8, -0.2]]}}})
+    };
+    let plane = json!({"kind": "rectangle", "size": [1.0, 0.5], "cells": [8, 4]});
+    let space =
+        json!({"kind": "box", "size": [1.0, 0.5, 1.0], "cells": [8, 4, 1], "periodic": ["z"]});
+    for (model, tolerance) in [("full", 1e-10), ("condensed", 1e-10), ("reduced", 1e-7)] {
+        let scenes = [
+            of(plane.clone(), "plane_strain", model),
+            of(space.clone(), "three_dimensional", model),
+        ]
+        .map(|text| scene(&text));
+        let mut simulators = scenes
+            .each_ref()
+            .map(|scene| Simulator::new(compile(scene).unwrap()));
+        let [first, second] = &mut simulators;
+        let mut drives = [
+            Drive::start(&scenes[0], first).unwrap(),
+            Drive::start(&scenes[1], second).unwrap(),
+        ];
+        let (mut open, mut slips, mut sticks) = (0, 0, 0);
+        loop {
+            let [first, second] = &mut drives;
+            let (Some(flat), Some(deep)) = (first.step().unwrap(), second.step().unwrap()) else {
+                break;
+            };
+            for (port, size) in [
+                ("contact.pressure", 0.1),
+                ("contact.gap", 0.05),
+                ("contact.slip", 0.1),
+                ("contact.tangential_stress", 0.03),
+                ("belt.force", 0.03),
+            ] {
+                let expected = values(flat, port);
+                let found = values(deep, port);
+                let components = found.len() / expected.len();
+                for (i, expected) in expected.iter().enumerate() {
+                    let own = &found[i * components..(i + 1) * components];
+                    let error = (own[0] - expected).abs() / size;
+                    assert!(error < tolerance, "{model} {port} {i}: {own:?} {expected}");
+                    let across = own.get(1).copied().unwrap_or(0.0);
+                    assert!(
+                        across.abs() < tolerance * size,
+                        "{model} {port} {i}: {across}"
+                    );
+                }
+            }
+            let status = values(flat, "contact.status");
+            assert_eq!(status, values(deep, "contact.status"));
+            open += status.iter().filter(|s| **s == 0.0).count();
+            sticks += status.iter().filter(|s| **s == 1.0).count();
+            slips += status.iter().filter(|s| **s == 2.0).count();
+        }
+        assert!(
+            open > 20 && slips > 50 && sticks > 5,
+            "{open} {slips} {sticks}"
+        );
+    }
+}
+
+fn direction(convention: &str) -> Value {
+    match convention {
+        "plane_strain" => json!([1, 0]),
+        _ => json!([1, 0, 0]),
+    }
+}

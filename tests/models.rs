@@ -230,6 +230,63 @@ fn two_sided_start_finds_second_solutions() {
     assert_eq!(value(&untested, "solver.solutions"), 0.0);
 }
 
+/// Step by step: several solutions where the law falls fast, one where it falls slowly; under Coulomb's law one is proved up to
+/// `mu_max c = 1`, and nothing beyond.
+#[test]
+fn steps_say_whether_they_have_one_solution() {
+    let run = |overrides: &[(&str, &str)]| -> Vec<[f64; 3]> {
+        let mut all = vec![("fidelity.uniqueness", "true")];
+        all.extend_from_slice(overrides);
+        let mut simulator = start(&paper(32, &all));
+        let step = |_| {
+            steps(&mut simulator, 0.03125, 1);
+            ["uniqueness", "uniqueness_margin", "solutions"]
+                .map(|name| value(&simulator, &format!("solver.{name}")))
+        };
+        (0..32).map(step).collect()
+    };
+    let several = run(&[("time.start", "zero"), ("contact.friction.alpha", "400")]);
+    let count = several.iter().filter(|row| row[0] == -1.0).count();
+    assert!((5..=20).contains(&count), "{count}");
+    for [answer, margin, solutions] in several {
+        assert!(margin < 0.0 && (answer == -1.0) == (solutions > 1.0) && answer < 1.0);
+    }
+    for [answer, margin, solutions] in run(&[("contact.friction.alpha", "10")]) {
+        assert!(
+            answer == 1.0 && margin > 0.0 && margin < 1.0 && solutions == 1.0,
+            "{margin}"
+        );
+    }
+    let coulomb = |coefficient: &str| {
+        let law = format!(r#"{{"law": "coulomb", "coefficient": {coefficient}}}"#);
+        run(&[("contact.friction", &law)])
+    };
+    // the proof ends at 1 / c, about 0.41 at 32 contact nodes
+    let margins = ["0.2", "0.3"].map(|mu| {
+        let rows = coulomb(mu);
+        assert!(
+            rows.iter().all(|row| row[0] == 1.0 && row[2] == 1.0),
+            "{mu}: {rows:?}"
+        );
+        rows[0][1]
+    });
+    let c = (margins[0] - margins[1]) / 0.1;
+    assert!(
+        (1.0 - margins[0] - 0.2 * c).abs() < 1e-9 && (0.35..0.5).contains(&(1.0 / c)),
+        "{c}"
+    );
+    assert!(
+        coulomb("0.8")
+            .iter()
+            .all(|row| row[0] == 0.0 && row[1] < 0.0)
+    );
+    // a law that falls takes from the margin what its pressure says
+    let falling = r#"{"kind": "exponential", "static": 0.25, "kinetic": 0.2, "decay": 1.0}"#;
+    for [_, margin, _] in coulomb(falling) {
+        assert!(margin < 1.0 - 0.25 * c - 1e-6, "{margin}");
+    }
+}
+
 /// A communication step of any size is cut into equal internal steps; its size costs no factorization when it is known.
 #[test]
 fn communication_steps_of_any_size() {

@@ -74,6 +74,8 @@ impl Follows {
             | Quantity::Residual
             | Quantity::Solutions
             | Quantity::SolutionGap
+            | Quantity::Uniqueness
+            | Quantity::UniquenessMargin
             | Quantity::LostDigits => Follows::Loads,
             Quantity::ErrorEstimate
             | Quantity::MeanTangentialStress

@@ -171,6 +171,7 @@ impl Compilation {
         same.fidelity.solver = own.fidelity.solver.clone();
         same.fidelity.friction_tolerance = own.fidelity.friction_tolerance;
         same.fidelity.multiplicity_test = own.fidelity.multiplicity_test;
+        same.fidelity.uniqueness = own.fidelity.uniqueness;
         // a solver that measures strains has a norm of its own in the body
         let measures = |scene: &Scene| scene.fidelity.solver.measures_strains();
         if same != *own || measures(scene) != measures(own) {
@@ -482,11 +483,16 @@ fn keep_free(
 
 /// What is kept of a body that contact alone holds: it has no static response, so nothing is reduced, and no digits are estimated.
 fn keep_pinned(scene: &Scene, body: &Body) -> Result<Kept> {
-    let why = "contact alone holds the body along its normal, and what is reduced is a body that is held";
+    let why =
+        "contact alone holds the body along its normal, and what is reduced is a body that is held";
     if scene.fidelity.free_material {
         let found = format!("true although {why}");
         let allowed = "false; or clamped or driven parts that hold the body";
-        return Err(scene_error("fidelity.free_material", found, allowed.to_owned()));
+        return Err(scene_error(
+            "fidelity.free_material",
+            found,
+            allowed.to_owned(),
+        ));
     }
     let field = || Field::new(scene, body);
     let (kind, model, fallback): (_, Arc<dyn BodyModel>, _) = match scene.fidelity.model {

@@ -114,6 +114,7 @@ pub struct Model {
     largest_step: f64,
     solver: SolverSettings,
     has_multiplicity_test: bool,
+    asks_uniqueness: bool,
     /// `(x, y)` with `x A + y B` the strain norm; `None` where the body has it assembled.
     strain_weights: Option<(f64, f64)>,
     history_capacity: usize,
@@ -238,6 +239,11 @@ impl Model {
 
     pub(crate) fn solver(&self) -> &SolverSettings {
         &self.solver
+    }
+
+    /// Whether steps say whether they have one solution.
+    pub(crate) fn asks_uniqueness(&self) -> bool {
+        self.asks_uniqueness
     }
 
     pub(crate) fn has_multiplicity_test(&self) -> bool {

@@ -77,6 +77,7 @@ impl Model {
             largest_step: scene.time.step,
             solver: solver(scene),
             has_multiplicity_test: scene.fidelity.multiplicity_test,
+            asks_uniqueness: scene.fidelity.uniqueness,
             history_capacity: scene.history.capacity as usize,
             body: parts.body,
             free: parts.free,
@@ -199,6 +200,7 @@ fn ports(scene: &Scene, parts: &Parts, friction: &ContactLaw) -> Ports {
         loads: &loads,
         probes: &probes,
         friction,
+        asks_uniqueness: scene.fidelity.uniqueness,
         has_error_estimate: scene.time.estimates_error(),
         can_lose_digits: can_lose_in_steps(
             scene,

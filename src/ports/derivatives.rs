@@ -43,7 +43,9 @@ impl Quantity {
             }
             BalanceError => Tangent::Balance,
             Stick | Status | StickFraction | OpenFraction | Iterations | Residual | Solutions
-            | SolutionGap | ErrorEstimate | LostDigits => Tangent::Zero,
+            | SolutionGap | Uniqueness | UniquenessMargin | ErrorEstimate | LostDigits => {
+                Tangent::Zero
+            }
             Gap => Tangent::Gap,
             MaxSlipRate => Tangent::LargestRate,
         }
@@ -64,9 +66,8 @@ impl Quantity {
             | SlipRate | Stick | ContactForce | MaxSlipRate | StickFraction | LoadVelocity(_)
             | ProbeVelocity(_) | ExternalWork | ElasticEnergy | ViscousDissipation
             | FrictionDissipation | BalanceError | Iterations | Residual | Solutions
-            | SolutionGap | ErrorEstimate | LostDigits | Coefficient(_) | Material(_) => {
-                Slope::Unknown
-            }
+            | SolutionGap | Uniqueness | UniquenessMargin | ErrorEstimate | LostDigits
+            | Coefficient(_) | Material(_) => Slope::Unknown,
         }
     }
 }

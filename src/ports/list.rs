@@ -380,6 +380,25 @@ impl Ports {
         ] {
             self.add(name, unit, Causality::Output, &[], quantity, text);
         }
+        if shapes.asks_uniqueness {
+            self.add(
+                "solver.uniqueness",
+                "1",
+                Causality::Output,
+                &[],
+                Uniqueness,
+                "Whether the last communication step has one solution: 1 proved, 0 not decided, -1 there are more.",
+            );
+            self.add(
+                "solver.uniqueness_margin",
+                "1",
+                Causality::Output,
+                &[],
+                UniquenessMargin,
+                "1 - max(P L_mu) / m - mu_max c at the pressures found, at the worst: above 0 one solution is proved; -1 \
+                 where no constants are known.",
+            );
+        }
         if shapes.has_error_estimate {
             self.add(
                 "solver.error_estimate",

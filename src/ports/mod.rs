@@ -63,6 +63,8 @@ pub enum Quantity {
     Residual,
     Solutions,
     SolutionGap,
+    Uniqueness,
+    UniquenessMargin,
     ErrorEstimate,
     LostDigits,
     Coefficient(usize),
@@ -145,6 +147,8 @@ pub(crate) struct Shapes<'a> {
     pub foundation: &'a [FoundationPort],
     pub probes: &'a [String],
     pub friction: &'a ContactLaw,
+    /// Whether steps say whether they have one solution.
+    pub asks_uniqueness: bool,
     /// Whether the error in time is estimated.
     pub has_error_estimate: bool,
     /// Whether its steps may lose digits.

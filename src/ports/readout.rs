@@ -5,7 +5,7 @@ use crate::fem::ContactPatch;
 use crate::model::Model;
 use crate::ports::{Port, Quantity};
 use crate::state::{State, energy, report};
-use crate::time::estimate;
+use crate::time::{estimate, uniqueness};
 use std::ops::Range;
 
 /// Writes the values of `port` into `out`, which has its length.
@@ -135,6 +135,8 @@ pub(crate) fn read(model: &Model, state: &State, port: &Port, out: &mut [f64]) {
         Quantity::Residual => state.report[report::RESIDUAL],
         Quantity::Solutions => state.report[report::SOLUTIONS],
         Quantity::SolutionGap => state.report[report::SOLUTION_GAP],
+        Quantity::Uniqueness => uniqueness::answer(state)[0],
+        Quantity::UniquenessMargin => uniqueness::answer(state)[1],
         Quantity::LostDigits => state.report[report::LOST_DIGITS],
         Quantity::ErrorEstimate => estimate::estimate(model, state),
     };

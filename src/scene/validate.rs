@@ -193,6 +193,10 @@ fn check_work_limit(scene: &Scene) -> Verdict {
             scene.fidelity.multiplicity_test,
             "fidelity.multiplicity_test, whose solves have no limit",
         ),
+        (
+            scene.fidelity.uniqueness,
+            "fidelity.uniqueness, whose solves have no limit",
+        ),
         (is_fixed_point, "fidelity.solver.kind \"fixed_point\""),
     ] {
         ensure(!is_refused, || {

@@ -8,7 +8,7 @@ use crate::model::Model;
 
 const FRAME: Frame = Frame {
     magic: *b"SLIPSTAT",
-    format: 6,
+    format: 7,
     what: "saved state",
 };
 

@@ -94,7 +94,9 @@ pub(crate) mod report {
     pub const ENDING: usize = 4;
     /// Largest share of displacement and slip that is rounding, by estimate; see `time::lost_digits`.
     pub const LOST_DIGITS: usize = 5;
-    pub const COUNT: usize = 6;
+    /// Largest load of a stage against the proof that it has one solution; see `time::uniqueness`.
+    pub const UNIQUENESS_LOAD: usize = 6;
+    pub const COUNT: usize = 7;
 
     /// The friction law holds as well as rounding allows, but not to the tolerance.
     pub const AT_ROUNDING: f64 = 1.0;

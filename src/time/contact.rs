@@ -4,7 +4,7 @@ use super::limit::WorkLimit;
 use super::memory::{Span, remembering};
 use super::pressed::{Level, PressedStage};
 use super::workspace::Workspace;
-use super::{penetration, slip_memory};
+use super::{penetration, slip_memory, uniqueness};
 use crate::body::Stage;
 use crate::contact::law::{ContactBounds, PressedBoundsOf};
 use crate::contact::multiplicity::Multiplicity;
@@ -71,7 +71,13 @@ pub(super) fn solve(
     let limits = (settings.tolerance(), most);
     let found = pressed.solve(&at, velocity, points, limits);
     ws.limit.spend(found.iterations);
-    if model.has_multiplicity_test() && found.converged {
+    let mut is_searched = model.has_multiplicity_test();
+    if model.asks_uniqueness() && found.converged {
+        let (values, instant) = (&state.coefficients, &velocity.instant);
+        let load = uniqueness::load_with_pressure(model, values, theta_k, &bounds, instant);
+        is_searched = uniqueness::note(model, &mut state.report, load);
+    }
+    if is_searched && found.converged {
         let limits = (settings.tolerance(), settings.max_iterations());
         let others = pressed.search(&at, limits);
         note_multiplicity(&mut state.report, others.unwrap_or(Multiplicity::ONE));
@@ -212,8 +218,29 @@ fn is_truncated(limit: &WorkLimit, converged: bool, residual: f64) -> bool {
     limit.is_given() && !converged && residual.is_finite()
 }
 
+/// Takes note of whether the stage has one solution, and of others, where the scene asks.
+pub(super) fn test_uniqueness(
+    model: &Model,
+    state: &mut State,
+    ws: &mut Workspace,
+    (theta_k, span): (f64, Span),
+    index: usize,
+) {
+    if ws.pressed.is_some() {
+        return;
+    }
+    let mut is_searched = model.has_multiplicity_test();
+    if model.asks_uniqueness() {
+        let load = uniqueness::load_without_pressure(model, &state.coefficients, theta_k);
+        is_searched = uniqueness::note(model, &mut state.report, load);
+    }
+    if is_searched {
+        test_multiplicity(model, state, ws, (theta_k, span), index);
+    }
+}
+
 /// Takes note of other solutions of the stage.
-pub(super) fn test_multiplicity(
+fn test_multiplicity(
     model: &Model,
     state: &mut State,
     ws: &mut Workspace,

@@ -58,9 +58,7 @@ pub(super) fn solve(
     if let Some(fault) = solved.fault {
         return Err(fault);
     }
-    if model.has_multiplicity_test() && ws.pressed.is_none() {
-        contact::test_multiplicity(model, state, ws, (theta_k, span), index);
-    }
+    contact::test_uniqueness(model, state, ws, (theta_k, span), index);
     let entry = &mut state.report;
     entry[report::ITERATIONS] += solved.iterations as f64;
     entry[report::RESIDUAL] = entry[report::RESIDUAL].max(solved.residual);

@@ -30,5 +30,6 @@ pub(crate) mod stage;
 pub(crate) mod step;
 mod tangent;
 mod tangent_step;
+pub(crate) mod uniqueness;
 pub(crate) mod velocity;
 pub(crate) mod workspace;

@@ -111,8 +111,7 @@ impl PressedScratch {
             gap_base: vec![0.0; contact.node_count()],
             stiffness,
             conditions,
-            multiplicity: model
-                .has_multiplicity_test()
+            multiplicity: (model.has_multiplicity_test() || model.asks_uniqueness())
                 .then(|| PressedMultiplicity::new(contact.node_count(), contact.components)),
         }
     }

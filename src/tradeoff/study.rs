@@ -248,6 +248,7 @@ fn body_key(scene: &Scene) -> String {
     key.fidelity.friction_tolerance = fidelity.friction_tolerance;
     key.fidelity.solver = fidelity.solver;
     key.fidelity.multiplicity_test = fidelity.multiplicity_test;
+    key.fidelity.uniqueness = fidelity.uniqueness;
     key.fidelity.work_limit = fidelity.work_limit;
     key.history = History::default();
     key.run = Run::default();

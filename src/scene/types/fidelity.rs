@@ -147,6 +147,11 @@ pub struct Fidelity {
     /// pressure, all sticking and no friction; there the sign of a determinant tells of others too. Costs two to four more solves. It
     /// proves that there are several, never that there is one. Default: false.
     pub multiplicity_test: bool,
+    /// Says at every step whether it has one solution: 1 proved, 0 not decided, -1 more than one, and by how much the proof holds
+    /// (outputs `solver.uniqueness`, `solver.uniqueness_margin`). Where nothing is proved other solutions are looked for as by
+    /// `multiplicity_test`. Default: false.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub uniqueness: bool,
 }
 
 impl Default for Fidelity {
@@ -162,6 +167,7 @@ impl Default for Fidelity {
             work_limit: None,
             solver: FrictionSolver::default(),
             multiplicity_test: false,
+            uniqueness: false,
         }
     }
 }

@@ -40,6 +40,10 @@ pub(super) fn check(scene: &Scene) -> Verdict {
         let allowed = "false: the test looks for other solutions of one linear stage";
         Refusal::new("fidelity.multiplicity_test", beside("true"), allowed)
     })?;
+    ensure(!scene.fidelity.uniqueness, || {
+        let allowed = "false: what is proved is proved of one linear stage";
+        Refusal::new("fidelity.uniqueness", beside("true"), allowed)
+    })?;
     ensure(scene.fidelity.work_limit.is_none(), || {
         let allowed = "no limit: the iterations of the body would not be counted in it";
         Refusal::new("fidelity.work_limit", beside("a limit"), allowed)
