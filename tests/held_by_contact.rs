@@ -109,10 +109,13 @@ fn a_guided_block_bears_mu_times_its_load() {
         let (force, stuck) = rows[rows.len() - 1];
         assert_eq!(stuck, 0.0);
         // where friction tilts the block its contact pulls, and friction is with what presses alone
-        let pressing = values(&simulator, "contact.normal_force")
-            .into_iter()
-            .filter(|p| *p > 0.0);
-        let limit = mu * pressing.sum::<f64>();
+        let pressures = values(&simulator, "contact.pressure");
+        let last = pressures.len() - 1;
+        let share = SIZE[0] / last as f64;
+        let weights = (0..=last).map(|i| if i % last == 0 { 0.5 * share } else { share });
+        let pressing = pressures.iter().zip(weights);
+        let limit = mu * pressing.map(|(p, w)| p.max(0.0) * w).sum::<f64>();
+        assert!(pressures[last] < 0.0, "{pressures:?}");
         assert!(
             (force.abs() / limit - 1.0).abs() < 1e-9,
             "{model}: {force} {limit}"
@@ -151,7 +154,8 @@ fn rollers_are_a_plane_of_symmetry() {
         }
         rows
     };
-    for model in MODELS {
+    // friction magnifies the error of a reduction
+    for (model, most) in MODELS.into_iter().zip([1e-7, 1e-7, 1e-6]) {
         let whole = run(&of(2.0, 16, json!([]), model));
         let half = run(&of(1.0, 8, json!(["left"]), model));
         let (mut slid, mut opened) = (0, 0);
@@ -159,7 +163,7 @@ fn rollers_are_a_plane_of_symmetry() {
             for (whole, half) in whole.iter().zip(half) {
                 let size = common::largest(whole).max(1e-3);
                 let error = relative(half, &whole[8..]) * common::largest(half) / size;
-                assert!(error < 1e-7, "{model}: {error}");
+                assert!(error < most, "{model}: {error}");
             }
             // nothing slides in the plane of symmetry
             assert!(half[1][0].abs() < 1e-12 && half[2][0].abs() < 1e-9);
@@ -167,6 +171,71 @@ fn rollers_are_a_plane_of_symmetry() {
             opened += half[0].iter().filter(|pressure| **pressure == 0.0).count();
         }
         assert!(slid > 20 && opened > 20, "{slid} {opened}");
+    }
+}
+
+/// The same without normal unknowns: the only component of the contact node in the plane of symmetry is then held, of materials that
+/// stay free, of such whose strain norm is assembled, and of a body all of whose nodes are in contact or held too.
+#[test]
+fn rollers_hold_the_only_component_of_a_contact_node() {
+    let memory = json!([{"tau": 0.1, "law": "isotropic", "shear": 0.3, "bulk": 0.5}]);
+    let of = |half: bool, rows: u32, memory: &Value, fidelity: &Value| {
+        let (width, cells) = if half { (1.0, 8) } else { (2.0, 16) };
+        let pull = |part: &str, direction: i32| json!({"name": part, "kind": "traction", "part": part, "direction": [direction, 0]});
+        let mut loads = vec![pull("right", 1)];
+        let mut signals = json!({"right": [[0.0, 0.0], [0.3, 0.2], [0.6, -0.1]]});
+        if !half {
+            loads.push(pull("left", -1));
+            signals["left"] = signals["right"].clone();
+        }
+        let rollers = if half { json!(["left"]) } else { json!([]) };
+        json!({"schema_version": 1, "name": "half",
+            "mesh": {"kind": "rectangle", "size": [width, 0.5], "cells": [cells, rows]},
+            "material": {"viscosity": {"law": "isotropic", "mu1": 0.05, "mu2": 0.1},
+                         "elasticity": {"law": "isotropic", "young": 1.0, "poisson": 0.3, "convention": "plane_strain"},
+                         "memory": memory},
+            "clamped": ["top"], "rollers": rollers, "loads": loads,
+            "contact": {"part": "bottom", "friction": {"law": "tresca", "bound": 0.02}},
+            "time": {"step": 0.02}, "fidelity": fidelity,
+            "run": {"until": 0.6, "signals": signals}})
+    };
+    let run = |value: &Value| -> Vec<[Vec<f64>; 2]> {
+        let scene = scene(value);
+        let mut simulator = Simulator::new(compile(&scene).unwrap());
+        let mut drive = Drive::start(&scene, &mut simulator).unwrap();
+        let mut rows = Vec::new();
+        while let Some(simulator) = drive.step().unwrap() {
+            let fields = ["contact.slip", "contact.tangential_stress"];
+            rows.push(fields.map(|name| values(simulator, name)));
+        }
+        rows
+    };
+    for (model, is_free, rows, memory) in [
+        ("full", false, 4, &json!([])),
+        ("full", false, 4, &memory),
+        ("condensed", false, 1, &memory),
+        ("reduced", false, 4, &memory),
+        ("reduced", true, 4, &memory),
+    ] {
+        let mut fidelity = json!({"model": model, "friction_tolerance": 1e-12});
+        if model == "reduced" {
+            fidelity["tolerance"] = json!(1e-9);
+            fidelity["free_material"] = json!(is_free);
+        }
+        let whole = run(&of(false, rows, memory, &fidelity));
+        let half = run(&of(true, rows, memory, &fidelity));
+        let (mut slid, mut stuck) = (0, 0);
+        for (whole, half) in whole.iter().zip(&half) {
+            for (whole, half) in whole.iter().zip(half) {
+                let errors = whole[8..].iter().zip(half).map(|(a, b)| (a - b).abs());
+                let error = errors.fold(0.0, f64::max) / common::largest(whole).max(1e-3);
+                assert!(error < 1e-6, "{model} {is_free} {rows}: {error}");
+            }
+            assert!(half[0][0].abs() < 1e-12, "{}", half[0][0]);
+            slid += half[0].iter().filter(|slip| slip.abs() > 1e-6).count();
+            stuck += half[0].iter().filter(|slip| slip.abs() < 1e-12).count();
+        }
+        assert!(slid > 20 && stuck > 20, "{model}: {slid} {stuck}");
     }
 }
 
@@ -234,6 +303,20 @@ fn free_motions_are_named() {
         panic!("there is nothing to reduce");
     };
     assert_eq!(path, "fidelity.model");
+    let mut free = block(&guide(), &contact, &time, &signals);
+    free["fidelity"] = json!({"free_material": true});
+    let Err(Error::Scene { path, .. }) = compile(&scene(&free)) else {
+        panic!("a material stays free by what is reduced");
+    };
+    assert_eq!(path, "fidelity.free_material");
+    // nothing is proved of a law that weakens where the contact may open
+    let mut falls = block(&guide(), &contact, &time, &signals);
+    let falling = json!({"kind": "exponential", "static": 1e-9, "kinetic": 0.0, "decay": 1e-3});
+    for coefficient in [json!(0.1), falling] {
+        falls["contact"]["friction"] = json!({"law": "coulomb", "coefficient": coefficient});
+        let certificate = *compile(&scene(&falls)).unwrap().certificate();
+        assert!(!certificate.is_step_unique() && !certificate.is_theorem_satisfied());
+    }
     // closed at the start by nothing: a gap
     let mut open = block(&guide(), &contact, &time, &signals);
     open["contact"]["condition"]["gap"] = json!(0.01);
