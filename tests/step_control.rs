@@ -148,6 +148,21 @@ fn small_communication_steps_are_not_refused_again_and_again() {
 }
 
 /// Backward Euler cannot do 1e-9: the smallest step is refused with its numbers, and the state stays.
+/// The size of the next internal step does not begin at that of a communication step of next to nothing.
+#[test]
+fn a_communication_step_of_next_to_nothing_costs_nothing_later() {
+    let mut simulator = start(&paper(16, &[("time.tolerance", "1e-3")]));
+    let tiny = 7.5e-322;
+    simulator.do_step(0.0, tiny).unwrap();
+    simulator.do_step(tiny, 0.05).unwrap();
+    // sizes double from 2^-29 of the largest at least
+    assert!(
+        simulator.internal_steps() < 150,
+        "{}",
+        simulator.internal_steps()
+    );
+}
+
 #[test]
 fn out_of_reach_is_an_error() {
     let friction = json!({"law": "tresca", "bound": 0.1});

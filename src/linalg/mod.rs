@@ -24,6 +24,6 @@ pub use dense::{mirror_lower, pivoted_cholesky, symmetric_eigen, symmetric_eigen
 pub use double::{add_scaled, dot};
 pub use elementary::{exp_m1, exp_m1_and_exp, length};
 pub use lu::DenseLu;
-pub use products::{column, multiply, multiply_transposed};
+pub use products::{column, multiply, multiply_lower, multiply_transposed};
 pub use sparse::SparseCholesky;
 pub use stored::StoredMatrix;

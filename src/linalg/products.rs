@@ -47,6 +47,13 @@ pub fn multiply_transposed<T: Entry>(a: MatRef<T>, x: &[f64], y: &mut [f64]) {
     Arch::new().dispatch(DotColumns { a, x, y });
 }
 
+/// `y = a x` of a symmetric matrix of which only the lower half is read. Blocks of columns for which `x` vanishes cost nothing, and
+/// their rows of `y` are then without meaning.
+pub fn multiply_lower<T: Entry>(a: MatRef<T>, x: &[f64], y: &mut [f64]) {
+    assert_eq!((a.nrows(), a.ncols()), (y.len(), x.len()));
+    Arch::new().dispatch(LowerProduct { a, x, y });
+}
+
 /// A column as a slice. All matrices of this crate are column-major; the product of another would be a programming error.
 #[inline(always)]
 pub fn column<T>(a: MatRef<'_, T>, j: usize) -> &[T] {
@@ -96,6 +103,46 @@ impl<T: Entry> WithSimd for Product<'_, T> {
     }
 }
 
+/// `y = a x` from the lower half.
+struct LowerProduct<'a, T> {
+    a: MatRef<'a, T>,
+    x: &'a [f64],
+    y: &'a mut [f64],
+}
+
+impl<T: Entry> WithSimd for LowerProduct<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let LowerProduct { a, x, y } = self;
+        y.fill(0.0);
+        for first in (0..x.len()).step_by(COLUMNS) {
+            let below = x.len().min(first + COLUMNS);
+            let own = &x[first..below];
+            if own.iter().all(|x| *x == 0.0) {
+                continue;
+            }
+            for j in first..below {
+                let column = &column(a, j)[..below];
+                T::add_columns(simd, [&column[j..]], [x[j]], &mut y[j..below]);
+                let [sum] = T::dots(simd, [&column[j + 1..]], &x[j + 1..below]);
+                y[j] += sum;
+            }
+            let Ok(factors) = <[f64; COLUMNS]>::try_from(own) else {
+                continue;
+            };
+            let tails = columns(a, first).map(|column| &column[below..]);
+            let (head, tail) = y.split_at_mut(below);
+            T::add_columns(simd, tails, factors, tail);
+            let sums = T::dots(simd, tails, &x[below..]);
+            for (y, sum) in head[first..].iter_mut().zip(sums) {
+                *y += sum;
+            }
+        }
+    }
+}
+
 /// `y = a^T x`.
 struct DotColumns<'a, T> {
     a: MatRef<'a, T>,
@@ -136,6 +183,18 @@ mod tests {
             let (mut y, mut t) = (vec![0.0; n], vec![0.0; m]);
             multiply(a.as_ref(), &x, &mut y);
             multiply_transposed(a.as_ref(), &z, &mut t);
+            let symmetric = Mat::from_fn(n, n, |i, j| ((i * j + i + j) % 7) as f64 - 3.0);
+            let mut halves = vec![0.0; n];
+            multiply_lower(symmetric.as_ref(), &z, &mut halves);
+            let whole = &symmetric * faer::ColRef::from_slice(&z);
+            let single = Mat::from_fn(n, n, |i, j| symmetric[(i, j)] as f32);
+            let mut of_single = vec![0.0; n];
+            multiply_lower(single.as_ref(), &z, &mut of_single);
+            for i in 0..n {
+                assert!((halves[i] - whole[i]).abs() < 1e-12 * (1.0 + whole[i].abs()));
+                // its entries are exact in single precision
+                assert!((of_single[i] - whole[i]).abs() < 1e-12 * (1.0 + whole[i].abs()));
+            }
             let (ey, et) = (
                 &a * faer::ColRef::from_slice(&x),
                 a.transpose() * faer::ColRef::from_slice(&z),

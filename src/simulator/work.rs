@@ -55,6 +55,7 @@ impl Simulator {
         Work {
             factorizations: work.factorizations,
             solves: work.solves,
+            products: 0,
         }
     }
 

@@ -123,9 +123,10 @@ pub(crate) fn judge(
         let doublings = ((SAFETY / excess).log2() / order).floor();
         let predicted = part.size() * doublings.clamp(0.0, 60.0).exp2();
         let proposed = &mut state.control[control::PROPOSED];
+        // a communication step of next to nothing does not make the next one begin there
         *proposed = predicted
             .min(2.0 * *proposed)
-            .min(2.0 * model.largest_step());
+            .clamp(smallest(model), 2.0 * model.largest_step());
         return Ok(Verdict::Accepted);
     }
     if excess.is_nan() {
@@ -181,7 +182,7 @@ fn refuse(
         Err(Error::NotConverged { .. } | Error::BodyNotConverged { .. }) => HALVINGS_UNKNOWN,
         _ => return reason.map(|()| Verdict::Accepted),
     };
-    let smallest = 2.0 * SMALLEST * model.largest_step();
+    let smallest = smallest(model);
     if 0.5 * part.size() < smallest {
         return reason.map(|()| Verdict::Refused);
     }
@@ -190,6 +191,11 @@ fn refuse(
     state.report[report::LOST_DIGITS] = control.kept.report[report::LOST_DIGITS];
     state.control[control::PROPOSED] = (part.size() * (-halvings).exp2()).max(smallest);
     Ok(Verdict::Refused)
+}
+
+/// Size of the smallest pair, s.
+fn smallest(model: &Model) -> f64 {
+    2.0 * SMALLEST * model.largest_step()
 }
 
 /// Error of a pair relative to the largest velocities and to the time that it counts for; the tolerance is its bound.

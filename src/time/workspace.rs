@@ -172,13 +172,14 @@ pub(crate) struct Workspace {
 impl Workspace {
     pub fn new(model: &Model) -> Workspace {
         let contact = model.contact();
-        let (nodes, len) = (contact.node_count(), contact.len());
+        let len = contact.len();
         let loads = vec![0.0; model.interpolations().len()];
         // the solvers without pressure are not needed with it
-        let (own_nodes, own_len) = match contact.has_normal {
-            true => (1, contact.components),
-            false => (nodes, len),
+        let (own_points, own_len) = match contact.has_normal {
+            true => (&contact.points[..1], contact.components),
+            false => (&contact.points[..], len),
         };
+        let own_nodes = own_points.len();
         Workspace {
             stages: StageCache::new(
                 model.body(),
@@ -187,9 +188,9 @@ impl Workspace {
                 &contact.pins,
             ),
             scratch: model.body().scratch(),
-            newton: newton::Workspace::new(own_nodes, own_len),
+            newton: newton::Workspace::new(own_points, own_len),
             fixed_point: FixedPointWorkspace::new(own_nodes, own_len),
-            multiplicity: MultiplicityWorkspace::new(own_nodes, own_len),
+            multiplicity: MultiplicityWorkspace::new(own_points, own_len),
             relative: Relative::new(model),
             has_settled: false,
             approach: [Approach::NONE; 2],

@@ -100,9 +100,71 @@ fn solve_from(problem: &ContactProblem, w: &mut [f64]) -> (bool, usize) {
     let nodes = problem.weights.len();
     let mut blocks = vec![0.0; nodes * block_len(problem.components)];
     let mut at = Linearisation::fresh(&mut blocks, problem.theta_k);
-    let mut ws = Workspace::new(nodes, w.len());
+    let mut ws = Workspace::factored(nodes, w.len());
     let found = solve(problem, TOLERANCE, 200, w, &mut at, &mut ws);
     (found.converged, found.iterations)
+}
+
+/// Contact nodes on a grid whose forces fall with their distance, as those of a body do.
+fn on_a_grid(random: &mut Random, sides: [usize; 2]) -> (Numbers, Vec<[f64; 3]>) {
+    let nodes = sides[0] * sides[1];
+    let points: Vec<[f64; 3]> = (0..nodes)
+        .map(|node| [(node % sides[0]) as f64, (node / sides[0]) as f64, 0.0])
+        .collect();
+    let numbers = Numbers::draw(random, nodes, 2);
+    let between = |i: usize, j: usize| {
+        let [a, b] = [points[i / 2], points[j / 2]];
+        (a[0] - b[0]).hypot(a[1] - b[1])
+    };
+    let s = Mat::from_fn(2 * nodes, 2 * nodes, |i, j| match i % 2 == j % 2 {
+        true => (-0.7 * between(i, j)).exp() + if i == j { 0.05 } else { 0.0 },
+        // across: weaker, and symmetric
+        false => 0.1 * (-0.7 * between(i, j)).exp(),
+    });
+    (Numbers { s, ..numbers }, points)
+}
+
+#[test]
+fn steps_without_factors_solve_the_same_problems() {
+    let mut random = Random::new(5);
+    for law in laws_in_pascal() {
+        let (mut most, mut products) = (0, 0);
+        for case in 0..12 {
+            let (numbers, points) = on_a_grid(&mut random, [9 + case, 7]);
+            let chosen = draw(law, &mut random, None);
+            let bounds = chosen.bounds();
+            let problem = numbers.problem(&bounds);
+            let solved = |mut ws: Workspace| {
+                let mut w = vec![0.0; numbers.r.len()];
+                let mut blocks = vec![0.0; points.len() * block_len(2)];
+                let mut at = Linearisation::fresh(&mut blocks, problem.theta_k);
+                let found = solve(&problem, TOLERANCE, 200, &mut w, &mut at, &mut ws);
+                assert!(found.converged, "{law:?} case {case}: {found:?}");
+                (w, found.iterations, ws.work())
+            };
+            let (w, iterations, work) = solved(Workspace::iterative(&points));
+            assert_eq!(work.factorizations, 0);
+            let violation = numbers.violation(&bounds, &w);
+            assert!(violation <= 1e-9, "{law:?} case {case}: {violation:e}");
+            (most, products) = (most.max(iterations), products + work.products);
+            let (factored, _, work) = solved(Workspace::factored(points.len(), w.len()));
+            assert!(
+                work.factorizations > 0 && work.products == 0 || factored.iter().all(|w| *w == 0.0)
+            );
+            // where the body follows any weakening there is one solution
+            if bounds.weakening(problem.theta_k) * 2.0 < 0.05 {
+                let largest = factored.iter().fold(0.0, |m: f64, w| m.max(w.abs()));
+                for (a, b) in w.iter().zip(&factored) {
+                    assert!(
+                        (a - b).abs() <= 1e-7 * largest,
+                        "{law:?} case {case}: {a} {b}"
+                    );
+                }
+            }
+        }
+        println!("{law:?}: most {most}, {products} products in 12 problems");
+        assert!(most <= 60, "{law:?}: {most}");
+    }
 }
 
 #[test]
@@ -178,7 +240,7 @@ fn a_second_solution_is_found_where_the_bound_rises_again() {
         assert!(slipping[0] > 0.2, "{slipping:?}");
         for accepted in [[0.0], slipping] {
             assert!(numbers.violation(&bounds, &accepted) <= 1e-9);
-            let mut ws = MultiplicityWorkspace::new(1, 1);
+            let mut ws = MultiplicityWorkspace::new(&[[0.0; 3]], 1);
             let extremes = |node| bounds.extremes(node);
             let found = multiplicity::test(&problem, extremes, TOLERANCE, 100, &accepted, &mut ws);
             assert_eq!(found.solutions, 2, "{:?}", chosen.start());

@@ -20,12 +20,13 @@ pub struct MultiplicityWorkspace {
 }
 
 impl MultiplicityWorkspace {
-    pub fn new(nodes: usize, contact_len: usize) -> MultiplicityWorkspace {
+    pub fn new(points: &[[f64; 3]], contact_len: usize) -> MultiplicityWorkspace {
+        let nodes = points.len();
         MultiplicityWorkspace {
             candidates: [vec![0.0; contact_len], vec![0.0; contact_len]],
             bounds: vec![0.0; nodes],
             blocks: vec![0.0; nodes * block_len(contact_len / nodes)],
-            newton: Workspace::new(nodes, contact_len),
+            newton: Workspace::new(points, contact_len),
         }
     }
 }

@@ -17,6 +17,7 @@
 //! A step `K_0^-1 rhs` also gives `S step = rhs - D_0 step` on the free nodes without a product with S.
 
 use super::attempts::Attempts;
+use super::iterative::Iterative;
 use super::last::Last;
 use super::linearisation::{Factor, FactorCache, Linearisation};
 use super::second_variation::{NOTICEABLE, SecondVariation, term_capacity};
@@ -140,6 +141,46 @@ impl Direction {
                 return true;
             }
             self.last.forget();
+            moves = self.normal.iter().any(|n| *n != 0.0);
+        }
+        false
+    }
+
+    /// Finds the direction at `point` without a factor. False when no node moves, or when no attempt gives a positive definite
+    /// matrix.
+    #[inline(never)]
+    pub fn find_iteratively(
+        &mut self,
+        problem: &ContactProblem,
+        point: &Point,
+        iterative: &mut Iterative,
+    ) -> bool {
+        (self.is_new, self.has_forces) = (true, false);
+        self.attempts.begin_anew();
+        let (normal, gradient) = (&mut self.normal, &mut self.gradient);
+        let (mut moves, starts) = space::motion(problem, point, normal, gradient);
+        while moves {
+            loop {
+                self.is_majorised = self.attempts.is_majorised();
+                let wanted = SecondVariation {
+                    problem,
+                    point,
+                    normal: &self.normal,
+                    weakening: self.attempts.current().weakening,
+                };
+                if iterative.solve(&wanted, &self.gradient, &mut self.step) {
+                    break;
+                }
+                if !self.attempts.advance() {
+                    return false;
+                }
+            }
+            self.solves += 1;
+            let (step, turns) = (&mut self.step, &mut self.turns);
+            space::split_turns(problem, point, &self.normal, step, turns);
+            if !starts || !self.drop_false_starts(problem, point) {
+                return true;
+            }
             moves = self.normal.iter().any(|n| *n != 0.0);
         }
         false

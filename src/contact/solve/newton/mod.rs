@@ -44,12 +44,16 @@
 //!   accepted: slow counts the steps that left more than SLOW of the residual; from PATIENCE on, the matrix is factored anew
 //! ```
 //!
+//! On large contacts with two components per node the matrix is not factored: every step is solved for iteratively at its own
+//! point (see `iterative`).
+//!
 //! After M. Stadler (SIOPT 2004) and Hueber, Stadler, Wohlmuth (SISC 30, 2008) for the active sets, and the chord method
 //! (C. T. Kelley, Iterative Methods for Linear and Nonlinear Equations, SIAM 1995, 5.4) for the matrix that is kept.
 
 mod attempts;
 mod cascade;
 mod direction;
+mod iterative;
 mod last;
 pub mod linearisation;
 pub(crate) mod second_variation;
@@ -62,6 +66,7 @@ use crate::contact::problem::{ContactProblem, Judgement, LARGEST_FLOOR, SLOWEST,
 use crate::contact::space;
 use cascade::Cascade;
 use direction::{Direction, PATIENCE};
+use iterative::{Iterative, LARGE};
 use linearisation::{FactorCache, Linearisation, POINTS};
 use pulp::{Arch, Scalar, Simd, WithSimd};
 use sweep::frozen_bound_sweep;
@@ -106,6 +111,8 @@ pub struct Workspace {
     direction: Direction,
     cache: FactorCache,
     cascade: Cascade,
+    /// In place of the factors, on large contacts with two components per node.
+    iterative: Option<Box<Iterative>>,
     /// Whether every point takes its own product with S: near rounding.
     is_careful: bool,
     /// What the violated forces of this solve are measured against.
@@ -119,15 +126,35 @@ pub struct Workspace {
 pub struct Work {
     /// Matrices of the order of the slipping contact factored.
     pub factorizations: u64,
-    /// Solves with such a factor.
+    /// Solves with such a factor, or without one.
     pub solves: u64,
+    /// Products with the contact operator of the solves without a factor, on large contacts with two components per node.
+    pub products: u64,
 }
 
 impl Workspace {
-    /// Scratch for the velocities of `nodes` nodes, `len` components in all.
-    pub fn new(nodes: usize, len: usize) -> Workspace {
+    /// Scratch for the velocities of nodes at these places, m, `len` components in all.
+    pub fn new(points: &[[f64; 3]], len: usize) -> Workspace {
+        let nodes = points.len();
+        match len > nodes && len >= LARGE {
+            true => Workspace::iterative(points),
+            false => Workspace::factored(nodes, len),
+        }
+    }
+
+    /// The same with factors, whatever the size.
+    pub fn factored(nodes: usize, len: usize) -> Workspace {
         let cascade = Cascade::new(nodes, len / nodes);
         Workspace::with(nodes, len, POINTS, cascade)
+    }
+
+    /// The same without factors, with two components per node.
+    pub fn iterative(points: &[[f64; 3]]) -> Workspace {
+        let (nodes, len) = (points.len(), 2 * points.len());
+        Workspace {
+            iterative: Some(Box::new(Iterative::new(points))),
+            ..Workspace::with(nodes, len, 0, Cascade::none())
+        }
     }
 
     /// Scratch for a contact on some of the nodes, one component each.
@@ -142,6 +169,7 @@ impl Workspace {
             direction: Direction::new(nodes, len),
             cache: FactorCache::new(points, nodes, len),
             cascade,
+            iterative: None,
             is_careful: false,
             yardstick: Yardstick::default(),
             has_plain_trial: false,
@@ -171,6 +199,7 @@ impl Workspace {
         Work {
             factorizations: self.cache.factorizations,
             solves: self.direction.solves,
+            products: (self.iterative.as_ref()).map_or(0, |iterative| iterative.products),
         }
     }
 }
@@ -224,7 +253,9 @@ impl WithSimd for Solve<'_, '_, '_> {
         ws.yardstick = yardstick;
         let mut residual = problem.residual(simd, &ws.accepted, yardstick);
         let mut iterations = 0;
-        if residual > tolerance {
+        if let Some(iterative) = &mut ws.iterative {
+            iterative.begin();
+        } else if residual > tolerance {
             ws.cache.prepare(problem, at);
         }
         let (mut slow, mut is_at_rounding) = (0, false);
@@ -258,6 +289,9 @@ impl WithSimd for Solve<'_, '_, '_> {
                 break;
             }
             iterations += 1;
+            if let Some(iterative) = &mut ws.iterative {
+                iterative.enough = tolerance / residual;
+            }
             let crawls = far >= CRAWLING;
             let is_taken = if crawls && cascade(problem, ws) {
                 true
@@ -334,11 +368,11 @@ fn at_rounding_of_slip(
         problem.make_exact(&mut ws.accepted);
         ws.is_careful = true;
     }
-    let (direction, cache) = (&mut ws.direction, &mut ws.cache);
-    direction.note(None);
-    if !direction.find(Scalar, problem, &ws.accepted, at, cache, 0) || direction.is_majorised {
+    ws.direction.note(None);
+    if !find(Scalar, problem, 0, at, ws) || ws.direction.is_majorised {
         return None;
     }
+    let direction = &ws.direction;
     let changes = (&*direction.step, &*direction.turns);
     problem.residual_of_slip(&ws.accepted, changes, ws.yardstick, tolerance)
 }
@@ -356,6 +390,22 @@ fn rest_the_slowest(problem: &ContactProblem, point: &mut Point) {
     }
 }
 
+/// Finds the direction at the accepted point; see [`Direction`].
+#[inline(always)]
+fn find<S: Simd>(
+    simd: S,
+    problem: &ContactProblem,
+    slow: u32,
+    at: &mut Linearisation,
+    ws: &mut Workspace,
+) -> bool {
+    let (direction, point) = (&mut ws.direction, &ws.accepted);
+    match &mut ws.iterative {
+        Some(iterative) => direction.find_iteratively(problem, point, iterative),
+        None => direction.find(simd, problem, point, at, &mut ws.cache, slow),
+    }
+}
+
 /// Tries a Newton step; on success `ws.accepted` is the new point.
 #[inline(always)]
 fn newton_step<S: Simd>(
@@ -366,8 +416,7 @@ fn newton_step<S: Simd>(
     at: &mut Linearisation,
     ws: &mut Workspace,
 ) -> bool {
-    let (direction, cache) = (&mut ws.direction, &mut ws.cache);
-    if !direction.find(simd, problem, &ws.accepted, at, cache, slow) {
+    if !find(simd, problem, slow, at, ws) {
         return false;
     }
     let mut length = 1.0;

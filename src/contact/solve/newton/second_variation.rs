@@ -66,7 +66,7 @@ pub struct SecondVariation<'a, 'p> {
 }
 
 impl SecondVariation<'_, '_> {
-    fn moves(&self, node: usize) -> bool {
+    pub fn moves(&self, node: usize) -> bool {
         self.normal[self.problem.at(node)].iter().any(|n| *n != 0.0)
     }
 
@@ -84,7 +84,7 @@ impl SecondVariation<'_, '_> {
     }
 
     /// D at a node that moves: the entry, or xx, xy, yy.
-    fn curvature(&self, node: usize) -> [f64; 3] {
+    pub fn curvature(&self, node: usize) -> [f64; 3] {
         let mut along = self.point.law.slope[node];
         if along < 0.0 {
             along *= self.weakening;
