@@ -15,6 +15,7 @@ fn step(simulator: &mut Simulator, size: f64) -> (Work, f64) {
     let work = Work {
         factorizations: after.factorizations - before.factorizations,
         solves: after.solves - before.solves,
+        products: after.products - before.products,
     };
     (work, value(simulator, "solver.iterations"))
 }

@@ -4,6 +4,7 @@ mod bytes;
 pub mod certificate;
 mod compile;
 mod free;
+mod keep;
 mod memory;
 pub(crate) mod motions;
 mod parts;

@@ -92,7 +92,7 @@ fn a_given_bound_gives_what_the_tangential_solver_finds() {
             let mut w = vec![0.0; ports.len()];
             let mut blocks = vec![0.0; case.nodes() * block_len(c)];
             let mut at = Linearisation::fresh(&mut blocks, K);
-            let mut ws = Workspace::new(case.nodes(), w.len());
+            let mut ws = Workspace::factored(case.nodes(), w.len());
             assert!(newton::solve(&problem, 1e-13, 200, &mut w, &mut at, &mut ws).converged);
             let tangential: Vec<f64> = ports.iter().map(|i| found.velocity[*i]).collect();
             let apart = difference(&tangential, &w);

@@ -11,7 +11,7 @@
 //! so a solve is one with M, a few products and one with the small matrix `D - R M^-1 C`. The columns `M^-1 C` are remembered;
 //! each is a function of the factor and of one change, so remembering never changes a result.
 
-use super::linearisation::{Entries, Unknown, fill, own, reduce};
+use super::entries::{Entries, Unknown, fill, own, reduce};
 use super::problem::PressedProblem;
 use crate::linalg::{DenseLu, add_scaled, dot};
 

@@ -9,7 +9,8 @@
 //! (S dv)_n + K dv_n = -F_n,                              dp = -K dv_n          F = S v + [lam; -p] - r
 //! ```
 
-use super::linearisation::{Entries, Factor, Unknown, entries_of, reduce};
+use super::entries::{Entries, Unknown, entries_of, reduce};
+use super::linearisation::Factor;
 use super::point::Point;
 use super::problem::PressedProblem;
 use crate::linalg::multiply;

@@ -18,6 +18,7 @@ mod border;
 mod chain;
 mod direction;
 mod energy;
+mod entries;
 mod linearisation;
 mod multiplicity;
 mod newton;

@@ -123,7 +123,7 @@ impl Iterative {
             self.apply();
             let curvature = self.along(&self.search, &self.image);
             // what is not a number is not positive
-            if !(curvature > 0.0) {
+            if curvature.is_nan() || curvature <= 0.0 {
                 return false;
             }
             let length = energy / curvature;
