@@ -45,6 +45,7 @@ fn every_implicit_scheme_meets_the_tolerance() {
         ("trapezoid", "zero"),
         ("tr_bdf2", "consistent"),
         ("tr_bdf2", "zero"),
+        ("midpoint", "consistent"),
         ("backward_euler", "consistent"),
         ("backward_euler", "zero"),
     ] {
@@ -129,6 +130,23 @@ fn communication_steps_end_exactly() {
     );
     let is_recorded = |end: &f64| past.iter().any(|t| (t - end).abs() <= 1e-15 * end);
     assert!(ends.iter().all(is_recorded));
+}
+
+/// Schemes of second order take steps of like size: also the one whose stages have means only.
+#[test]
+fn the_midpoint_rule_takes_as_many_steps_as_the_trapezoid() {
+    let steps = |scheme: &str| {
+        let overrides = [("time.tolerance", "1e-4"), ("time.scheme", scheme)];
+        let mut simulator = start(&paper(16, &overrides));
+        for n in 0..8 {
+            let h = 0.125;
+            simulator.do_step(f64::from(n) * h, h).unwrap();
+        }
+        simulator.internal_steps() as f64
+    };
+    let (trapezoid, midpoint) = (steps("trapezoid"), steps("midpoint"));
+    assert!(trapezoid > 16.0);
+    assert!(midpoint < 1.5 * trapezoid, "{midpoint} {trapezoid}");
 }
 
 /// The proposed size is carried over: many small communication steps are not each begun by refusals.

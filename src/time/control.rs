@@ -97,6 +97,14 @@ pub(crate) fn keep(state: &State, ws: &mut Workspace) {
     }
 }
 
+/// The second step of a pair begins.
+pub(crate) fn note_middle(state: &State, ws: &mut Workspace) {
+    let control = ws.control.as_mut();
+    if let Some(middle) = control.and_then(|control| control.middle.as_mut()) {
+        middle.load_from(state);
+    }
+}
+
 /// Judges a part that was taken from the kept state, and proposes the size of the next one; a refused part is undone.
 ///
 /// # Errors
@@ -115,9 +123,11 @@ pub(crate) fn judge(
     if taken.is_err() {
         return refuse(model, state, control, part, taken);
     }
+    let own = control.middle.take();
     // what the second step of the pair started from
-    let middle = &ws.velocities[0];
+    let middle = own.as_ref().unwrap_or(&ws.velocities[0]);
     let excess = error_of(model, state, control, middle, part) / tolerance;
+    control.middle = own;
     if excess <= 1.0 {
         let order = f64::from(model.tableau().order() + 1);
         let doublings = ((SAFETY / excess).log2() / order).floor();

@@ -94,6 +94,9 @@ fn take(
     companion: &mut impl Companion,
 ) -> Result<()> {
     for i in 0..part.steps {
+        if i > 0 {
+            control::note_middle(state, ws);
+        }
         let at = |instant: f64| part.at((f64::from(i) + instant) / f64::from(part.steps));
         internal_step(model, state, ws, part.k, at, companion)?;
         state.time = start + h * at(1.0);

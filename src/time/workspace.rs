@@ -116,6 +116,8 @@ pub(crate) struct ControlWorkspace {
     pub body: Vec<f64>,
     /// Error of the slip.
     pub contact: Vec<f64>,
+    /// What the second step of a pair started from, where a step solves for its end: the scratch of its start is then used up.
+    pub middle: Option<Velocity>,
     /// Pairs refused so far.
     pub refused: u64,
 }
@@ -126,6 +128,7 @@ impl ControlWorkspace {
             kept: State::without_history(model),
             body: vec![0.0; model.states()],
             contact: vec![0.0; model.contact().len()],
+            middle: (!model.tableau().ends_with_stage()).then(|| Velocity::new(model)),
             refused: 0,
         }
     }
