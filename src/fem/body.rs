@@ -45,6 +45,8 @@ pub struct Body {
     pub initial: Option<InitialDisplacement>,
     /// Viscosity A and elasticity B in every cell, and the branches of the memory.
     pub forms: Forms,
+    /// Why no model can be made of the body: a motion as a whole that nothing holds.
+    pub free_motion: Option<Error>,
     /// Whether a law is not linear: the operators are then those of the lower tangents.
     pub is_nonlinear: bool,
     /// The strain norm.
@@ -89,7 +91,12 @@ impl Body {
         let forms = Forms::new(scene, &mesh)?;
         let dofs = DofMap::new(scene, &mesh)?;
         refuse_loose_pieces(&mesh, &dofs)?;
-        let pinned = pins(scene, &mesh, &dofs)?;
+        let (pinned, free_motion) = match pins(scene, &mesh, &dofs)? {
+            Ok(pinned) => (pinned, None),
+            // fields of driven parts are solved for here
+            Err(free) if !scene.driven.is_empty() => return Err(free),
+            Err(free) => (Vec::new(), Some(free)),
+        };
         if !pinned.is_empty() && scene.is_nonlinear() {
             let found = "parts that leave it to contact to hold the body along the normal";
             let allowed = "parts that hold the body: its laws are not linear";
@@ -121,6 +128,7 @@ impl Body {
             loads,
             probes,
             drives,
+            free_motion,
             is_nonlinear: scene.is_nonlinear(),
             strain: StrainNorm::new(&mesh, &dofs, &forms),
             element_rates: forms.rates(mesh.dimension),

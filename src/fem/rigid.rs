@@ -6,7 +6,7 @@
 //! body itself; wherever the body is given contact forces, they are those less what the pins take (`time::relative`).
 
 use super::dofs::DofMap;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::linalg::symmetric_eigen;
 use crate::mesh::Mesh;
 use crate::refusal::scene_error;
@@ -90,28 +90,36 @@ impl Rigid {
     }
 }
 
-/// The contact components at which pins hold the body where nothing but its contact does; none for a body that is held.
+/// The contact components at which pins hold the body where nothing but its contact does; none for a body that is held. Or why the
+/// body cannot be compiled: [`Error::Scene`] for a motion that nothing holds, naming it.
 ///
 /// # Errors
-/// [`crate::Error::Scene`] for a motion that nothing holds, naming it.
-pub(super) fn pins(scene: &Scene, mesh: &Mesh, dofs: &DofMap) -> Result<Vec<usize>> {
+/// [`Error::Body`] where places are no numbers.
+pub(super) fn pins(
+    scene: &Scene,
+    mesh: &Mesh,
+    dofs: &DofMap,
+) -> Result<std::result::Result<Vec<usize>, Error>> {
     let pieces = mesh.pieces();
     let mut own: Vec<u32> = mesh.cell_nodes.clone();
     own.sort_unstable_by_key(|node| (pieces[*node as usize], *node));
     own.dedup();
     let mut pins = Vec::new();
     for nodes in own.chunk_by(|a, b| pieces[*a as usize] == pieces[*b as usize]) {
-        pins.extend(pins_of_piece(scene, (mesh, dofs), nodes)?);
+        match pins_of_piece(scene, (mesh, dofs), nodes)? {
+            Ok(own) => pins.extend(own),
+            Err(free) => return Ok(Err(free)),
+        }
     }
     pins.sort_unstable();
-    Ok(pins)
+    Ok(Ok(pins))
 }
 
 fn pins_of_piece(
     scene: &Scene,
     (mesh, dofs): (&Mesh, &DofMap),
     nodes: &[u32],
-) -> Result<Vec<usize>> {
+) -> Result<std::result::Result<Vec<usize>, Error>> {
     let point = |node: u32| mesh.nodes[node as usize];
     let sum: Vector3<f64> = nodes.iter().map(|node| Vector3::from(point(*node))).sum();
     let centre = sum / nodes.len() as f64;
@@ -152,7 +160,7 @@ fn pins_of_piece(
                 }
                 false => "clamped or driven parts (or rollers) that hold the body",
             };
-            return Err(scene_error("clamped", found, allowed.to_owned()));
+            return Ok(Err(scene_error("clamped", found, allowed.to_owned())));
         }
         let node = dofs.contact_nodes()[index];
         let normal = Vector3::from(dofs.frame(node)[mesh.dimension - 1]);
@@ -164,7 +172,7 @@ fn pins_of_piece(
         }
         pins.push(index * mesh.dimension + mesh.dimension - 1);
     }
-    Ok(pins)
+    Ok(Ok(pins))
 }
 
 /// The motions of a piece as a whole that no part holds, orthonormal in translation and rotation.

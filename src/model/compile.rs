@@ -96,6 +96,9 @@ impl Compilation {
         scene.element.get_or_insert(mesh.element.kind);
         scene.validate_in(mesh.dimension)?;
         let body = Body::assemble_on(&scene, mesh)?;
+        if let Some(free) = &body.free_motion {
+            return Err(free.clone());
+        }
         // before the work of an hour: whether coefficients fit the contact nodes
         scene.friction_on(&body.contact.points, ranges(&body))?;
         watch.report(Phase::Assembly, 0.1)?;
