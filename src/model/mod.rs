@@ -3,6 +3,7 @@
 mod bytes;
 pub mod certificate;
 mod compile;
+mod derived;
 mod free;
 mod keep;
 mod memory;
