@@ -24,11 +24,10 @@
 use crate::body::reduced::Reduced;
 use crate::body::{BodyModel, Scratch, Stage};
 use crate::bytes::{Reader, Writer};
-use crate::error::{Error, Result};
-use crate::linalg::{DenseCholesky, StoredMatrix, modal, multiply, multiply_transposed};
+use crate::error::Result;
+use crate::linalg::{StoredMatrix, modal, multiply, multiply_transposed};
 use crate::material::{Blend, RATIOS, Share};
 use crate::scene::Precision;
-use dyn_stack::{MemBuffer, StackReq};
 use faer::Mat;
 use std::sync::Arc;
 
@@ -131,7 +130,7 @@ impl Free {
     /// material for a number of branches.
     ///
     /// # Errors
-    /// [`Error::Bytes`].
+    /// [`crate::Error::Bytes`].
     pub fn read(
         from: &mut Reader,
         (contact, loads, outputs): (usize, usize, usize),
@@ -230,38 +229,17 @@ impl BodyModel for Free {
     fn scratch(&self) -> Scratch {
         let (m, r) = (self.contact_len(), self.len());
         Scratch {
-            free: vec![0.0; r],
-            work: Vec::new(),
             lags: vec![0.0; self.states() - r],
-            contact: vec![0.0; m],
-            matrix: vec![0.0; m * m],
-            dense: DenseCholesky::new(m),
-            memory: MemBuffer::new(StackReq::EMPTY),
-            excess: Vec::new(),
-            fields: [Vec::new(), Vec::new()],
-            square: Mat::new(),
-            columns: Mat::new(),
+            ..Scratch::of_modes(m, r)
         }
     }
 
     fn factor(&self, theta_k: f64, stage: &mut Stage, scratch: &mut Scratch) -> Result<()> {
-        let m = self.contact_len();
         self.operator(1.0, theta_k, &mut stage.factor);
         for entry in &mut stage.factor {
             *entry = 1.0 / *entry;
         }
-        let compliance = &mut scratch.matrix[..m * m];
-        self.modes.contact.weighted_gram(&stage.factor, compliance);
-        if !scratch.dense.factor(m, |j, column| {
-            column.copy_from_slice(&compliance[j * m + j..(j + 1) * m]);
-        }) {
-            return Err(Error::NotPositiveDefinite {
-                what: "the contact compliance",
-                pivot: 0,
-            });
-        }
-        scratch.dense.inverse(stage.s.as_mut());
-        Ok(())
+        scratch.condense(&self.modes.contact, stage)
     }
 
     fn predict(&self, stage: &Stage, p: &[f64], f: &[f64], r: &mut [f64], scratch: &mut Scratch) {

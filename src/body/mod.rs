@@ -23,10 +23,10 @@ pub(crate) mod reduced;
 pub(crate) mod reduction;
 
 use crate::bytes::Writer;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::fem::Pin;
-use crate::linalg::DenseCholesky;
-use dyn_stack::MemBuffer;
+use crate::linalg::{DenseCholesky, StoredMatrix};
+use dyn_stack::{MemBuffer, StackReq};
 use faer::{Mat, MatRef};
 use nonlinear::Nonlinear;
 
@@ -72,6 +72,45 @@ pub struct Scratch {
     /// Matrices of contact order and of right-hand sides, kept where factorizations may not allocate; empty elsewhere.
     pub square: Mat<f64>,
     pub columns: Mat<f64>,
+}
+
+impl Scratch {
+    /// Of a model of so many modes.
+    fn of_modes(contact_len: usize, modes: usize) -> Scratch {
+        Scratch {
+            free: vec![0.0; modes],
+            work: Vec::new(),
+            lags: Vec::new(),
+            contact: vec![0.0; contact_len],
+            matrix: vec![0.0; contact_len * contact_len],
+            dense: DenseCholesky::new(contact_len),
+            memory: MemBuffer::new(StackReq::EMPTY),
+            excess: Vec::new(),
+            fields: [Vec::new(), Vec::new()],
+            square: Mat::new(),
+            columns: Mat::new(),
+        }
+    }
+
+    /// S from the contact compliance of such a model, `P diag(factor) P^T` with its contact velocities P.
+    ///
+    /// # Errors
+    /// [`Error::NotPositiveDefinite`] for a compliance that is not.
+    fn condense(&mut self, contact: &StoredMatrix, stage: &mut Stage) -> Result<()> {
+        let m = self.contact.len();
+        contact.weighted_gram(&stage.factor, &mut self.matrix);
+        let compliance = &self.matrix;
+        if !self.dense.factor(m, |j, column| {
+            column.copy_from_slice(&compliance[j * m + j..(j + 1) * m]);
+        }) {
+            return Err(Error::NotPositiveDefinite {
+                what: "the contact compliance",
+                pivot: 0,
+            });
+        }
+        self.dense.inverse(stage.s.as_mut());
+        Ok(())
+    }
 }
 
 /// A reduced body in modal coordinates, in which the viscosity A is the identity and the elasticity B the diagonal of `rates`.

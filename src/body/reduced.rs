@@ -6,10 +6,9 @@
 
 use crate::body::{BodyModel, ModalMatrices, Scratch, Stage};
 use crate::bytes::{Reader, Writer};
-use crate::error::{Error, Result};
-use crate::linalg::{DenseCholesky, StoredMatrix, modal, multiply, multiply_transposed};
+use crate::error::Result;
+use crate::linalg::{StoredMatrix, modal, multiply, multiply_transposed};
 use crate::scene::Precision;
-use dyn_stack::{MemBuffer, StackReq};
 use faer::linalg::matmul::triangular::{BlockStructure, matmul};
 use faer::{Accum, Mat, MatMut, MatRef, Par};
 
@@ -45,37 +44,16 @@ impl BodyModel for Reduced {
     fn scratch(&self) -> Scratch {
         let (m, r) = (self.contact_len(), self.states());
         Scratch {
-            free: vec![0.0; r],
             work: vec![0.0; r],
-            lags: Vec::new(),
-            contact: vec![0.0; m],
-            matrix: vec![0.0; m * m],
-            dense: DenseCholesky::new(m),
-            memory: MemBuffer::new(StackReq::EMPTY),
-            excess: Vec::new(),
-            fields: [Vec::new(), Vec::new()],
-            square: Mat::new(),
-            columns: Mat::new(),
+            ..Scratch::of_modes(m, r)
         }
     }
 
     fn factor(&self, theta_k: f64, stage: &mut Stage, scratch: &mut Scratch) -> Result<()> {
-        let m = self.contact_len();
         for (d, rate) in stage.factor.iter_mut().zip(&self.rates) {
             *d = 1.0 / (1.0 + (theta_k - self.sigma) * rate);
         }
-        let compliance = &mut scratch.matrix[..m * m];
-        self.contact.weighted_gram(&stage.factor, compliance);
-        if !scratch.dense.factor(m, |j, column| {
-            column.copy_from_slice(&compliance[j * m + j..(j + 1) * m]);
-        }) {
-            return Err(Error::NotPositiveDefinite {
-                what: "the contact compliance",
-                pivot: 0,
-            });
-        }
-        scratch.dense.inverse(stage.s.as_mut());
-        Ok(())
+        scratch.condense(&self.contact, stage)
     }
 
     fn predict(&self, stage: &Stage, p: &[f64], f: &[f64], r: &mut [f64], scratch: &mut Scratch) {
@@ -187,7 +165,7 @@ impl Reduced {
     /// strain norm.
     ///
     /// # Errors
-    /// [`Error::Bytes`].
+    /// [`crate::Error::Bytes`].
     pub fn read(
         from: &mut Reader,
         contact: usize,

@@ -86,7 +86,13 @@ impl Orthotropic {
                 true
             }
             Some(Convention::PlaneStrain) => true,
-            _ => false,
+            // a plane needs one of the two: `check` refuses the others there
+            Some(
+                Convention::Kazmi2014
+                | Convention::PlaneStressRelaxing
+                | Convention::ThreeDimensional,
+            )
+            | None => false,
         };
         let shear = self.shear;
         Voigt::from_fn(|i, j| {

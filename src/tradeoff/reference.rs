@@ -355,7 +355,7 @@ fn run(study: &mut Study, setting: Setting, tolerance: usize) -> Result<(Level, 
         step: candidate.scene.time.step,
         reduction: match summary.kind {
             ModelKind::Reduced => candidate.scene.fidelity.tolerance,
-            _ => 0.0,
+            ModelKind::Full | ModelKind::Condensed | ModelKind::Auto => 0.0,
         },
         difference: None,
     };
